@@ -1,0 +1,42 @@
+# One place for what every target of the project shares.
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+add_library(embacle_options INTERFACE)
+target_compile_features(embacle_options INTERFACE cxx_std_20)
+target_compile_options(embacle_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual
+  $<$<BOOL:${EMBACLE_WERROR}>:-Werror>
+  $<$<BOOL:${EMBACLE_NATIVE}>:-march=native>
+  $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-trapping-math>)
+if(EMBACLE_SANITIZE)
+  target_compile_options(embacle_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(embacle_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# embacle_test(NAME SOURCES... [RANKS 1 2 4] [LIBRARIES ...]): a GoogleTest program, run on each of the rank counts.
+# Programs with RANKS have their own main that initialises MPI: link embacle_test_main_mpi (coupling/tests).
+function(embacle_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;RANKS;LIBRARIES" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE embacle_options GTest::gtest ${ARG_LIBRARIES})
+  if(ARG_RANKS)
+    target_link_libraries(${name} PRIVATE embacle_test_main_mpi)
+    foreach(ranks ${ARG_RANKS})
+      add_test(NAME ${name}.${ranks} COMMAND ${MPIEXEC_EXECUTABLE} --oversubscribe --mca mpi_yield_when_idle 1
+        --mca btl_vader_single_copy_mechanism none -n ${ranks} $<TARGET_FILE:${name}>)
+      set_tests_properties(${name}.${ranks} PROPERTIES TIMEOUT ${ARG_TIMEOUT} PROCESSORS ${ranks}
+        ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1")
+    endforeach()
+  else()
+    target_link_libraries(${name} PRIVATE GTest::gtest_main)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+  endif()
+endfunction()
