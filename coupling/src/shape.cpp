@@ -65,7 +65,9 @@ double Shape::surface_area() const {
 
 double Shape::signed_distance(const Vec3& point) const {
   // Outside: the distance to the nearest face, edge or corner; inside: minus the distance to the nearest face.
-  const auto extruded = [](const auto& excess) { return excess.cwiseMax(0.0).norm() + std::min(0.0, excess.maxCoeff()); };
+  const auto extruded = [](const auto& excess) {
+    return excess.cwiseMax(0.0).norm() + std::min(0.0, excess.maxCoeff());
+  };
   switch (kind) {
     case ShapeKind::box:
       return extruded(Vec3(point.cwiseAbs() - 0.5 * size));
