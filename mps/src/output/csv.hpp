@@ -9,7 +9,8 @@
 
 namespace embacle::mps {
 
-/// A CSV file with one header line of `name [unit]` columns. A failing write throws coupling::SystemError with the path.
+/// A CSV file with one header line of `name [unit]` columns. A failing write throws coupling::SystemError with the
+/// path.
 class CsvWriter {
  public:
   CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns);

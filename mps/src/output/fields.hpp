@@ -14,17 +14,17 @@ namespace embacle::mps {
 
 /// What each rank contributes to a frame: its own particles (any number, also none), in arrays of equal length.
 struct FieldFrame {
-  double time = 0;                          ///< [s]
+  double time = 0;  ///< [s]
   std::int64_t step = 0;
-  std::span<const float> position;          ///< [m], 3 per particle
-  std::span<const float> velocity;          ///< [m/s], 3 per particle
-  std::span<const float> pressure;          ///< [Pa]
-  std::span<const std::int8_t> type;        ///< 0 fluid, 1 wall, 2 body
-  std::span<const std::int32_t> body_tag;   ///< tag of the body, -1 for others
+  std::span<const float> position;         ///< [m], 3 per particle
+  std::span<const float> velocity;         ///< [m/s], 3 per particle
+  std::span<const float> pressure;         ///< [Pa]
+  std::span<const std::int8_t> type;       ///< 0 fluid, 1 wall, 2 body
+  std::span<const std::int32_t> body_tag;  ///< tag of the body, -1 for others
 };
 
-/// Writes `folder/fields/NNNNNN.h5` (one frame a file, collective, written beside and renamed, so that an interrupted run
-/// leaves only whole frames), `folder/fields.h5` (all frames, as external links) and `folder/fields.xdmf`.
+/// Writes `folder/fields/NNNNNN.h5` (one frame a file, collective, written beside and renamed, so that an interrupted
+/// run leaves only whole frames), `folder/fields.h5` (all frames, as external links) and `folder/fields.xdmf`.
 class FieldWriter {
  public:
   FieldWriter(MPI_Comm comm, std::filesystem::path folder);

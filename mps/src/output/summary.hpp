@@ -23,12 +23,18 @@ class Json {
   Json& set(const std::string& key, const Array& values);
   Json& set(const std::string& key, const std::vector<std::string>& values);
   Json& object(const std::string& key);  ///< nested object, created on first use
+  Json& append(const std::string& key);  ///< new last object of an array of objects; valid until the next append to it
   [[nodiscard]] std::string text(int indent = 0) const;
 
  private:
-  using Value = std::variant<double, std::int64_t, bool, std::string, Array, std::vector<std::string>, std::vector<Json>>;
+  struct Objects {
+    std::vector<Json> items;
+    bool array = false;  ///< an array of objects; otherwise `items` holds the one nested object
+  };
+  using Value = std::variant<double, std::int64_t, bool, std::string, Array, std::vector<std::string>, Objects>;
   std::vector<std::pair<std::string, Value>> members_;
   Value& slot(const std::string& key);
+  Objects& objects(const std::string& key, bool array);
 };
 
 /// Writes beside and renames, so that the file is always whole. Throws coupling::SystemError.

@@ -1,0 +1,417 @@
+#include "fields.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "files.hpp"
+
+// Why no collective I/O: HDF5's and MPI-IO's collective calls may wait for ever when one rank fails in their midst
+// (disk full, quota, too many open files). Here rank 0 alone creates a frame file, with contiguous datasets whose space
+// is reserved; then every rank writes its own slab of each dataset to the dataset's place in the file. Each rank's slab
+// is one contiguous piece, which collective buffering could not improve, and every error is local, with its errno,
+// until all ranks agree on it.
+//
+// Why HDF5 writes to memory: a file that HDF5 cannot flush can never be closed either, and crashes the program at its
+// end. So HDF5 lays a file out in memory, where only its few kilobytes of metadata take room, and these are then
+// written to disk.
+
+namespace embacle::mps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An HDF5 identifier, closed at the end of its scope.
+class Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+  Handle(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { close(); }
+  operator hid_t() const { return id_; }  // NOLINT: stands for the identifier in HDF5 calls
+  herr_t close() {
+    const hid_t id = std::exchange(id_, H5I_INVALID_HID);
+    return id < 0 ? 0 : closer_(id);
+  }
+
+ private:
+  hid_t id_;
+  Closer closer_;
+};
+
+/// HDF5 prints its error stack by default; within this scope it does not.
+class QuietHdf5 {
+ public:
+  QuietHdf5() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// The innermost reason on HDF5's error stack, preferably the operating system's.
+std::string hdf5_reason() {
+  std::string reason;
+  const auto first = [](unsigned depth, const H5E_error2_t* error, void* out) -> herr_t {
+    if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(out) = error->desc;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, first, &reason);
+  const std::string mark = "error message = '";
+  if (const auto start = reason.find(mark); start != std::string::npos) {
+    const auto begin = start + mark.size();
+    return reason.substr(begin, reason.find('\'', begin) - begin);
+  }
+  return reason.empty() ? "HDF5 gives no reason" : reason;
+}
+
+/// Throws the SystemError of an HDF5 call that failed (negative result); passes the result on otherwise.
+template <typename Result>
+Result check(Result result, const fs::path& path) {
+  if (result < 0) throw coupling::SystemError("cannot write " + path.string() + ": " + hdf5_reason());
+  return result;
+}
+
+/// A file descriptor, closed at the end of its scope.
+class Descriptor {
+ public:
+  Descriptor(int descriptor, const fs::path& path) : descriptor_(descriptor) {
+    if (descriptor < 0) throw coupling::SystemError(cannot_write(path, errno));
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  operator int() const { return descriptor_; }  // NOLINT: stands for the descriptor in system calls
+  [[nodiscard]] int close() { return ::close(std::exchange(descriptor_, -1)) == 0 ? 0 : errno; }
+
+ private:
+  int descriptor_;
+};
+
+/// errno, or 0 if all of `data` stands in the file at `offset`.
+int write_at(int file, std::span<const std::byte> data, std::int64_t offset) {
+  while (!data.empty()) {
+    const ssize_t written = ::pwrite(file, data.data(), data.size(), offset);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    if (written == 0) return EIO;
+    data = data.subspan(static_cast<std::size_t>(written));
+    offset += written;
+  }
+  return 0;
+}
+
+/// Makes `size` bytes of a file certain, so that a full disk, quota or size limit shows before anybody writes; a file
+/// system that cannot reserve is accepted. Returns errno or 0.
+int reserve(int file, std::int64_t size) {
+  if (::ftruncate(file, size) != 0) return errno;
+  if (::fallocate(file, 0, 0, size) == 0 || errno == EOPNOTSUPP || errno == ENOSYS) return 0;
+  return errno;
+}
+
+void* resized(void* kept, std::size_t size) {
+  auto& bytes = *static_cast<std::vector<std::byte>*>(kept);
+  bytes.resize(size);
+  return bytes.data();
+}
+
+/// What HDF5's core driver keeps of a file: these callbacks let the bytes outlive the closing of the file.
+H5FD_file_image_callbacks_t keep_in(std::vector<std::byte>& image) {
+  H5FD_file_image_callbacks_t callbacks{};
+  callbacks.image_malloc = [](std::size_t size, H5FD_file_image_op_t, void* kept) { return resized(kept, size); };
+  callbacks.image_realloc = [](void*, std::size_t size, H5FD_file_image_op_t, void* kept) {
+    return resized(kept, size);
+  };
+  callbacks.image_memcpy = [](void* to, const void* from, std::size_t size, H5FD_file_image_op_t, void*) {
+    return std::memcpy(to, from, size);
+  };
+  callbacks.image_free = [](void*, H5FD_file_image_op_t, void*) -> herr_t { return 0; };
+  callbacks.udata_copy = [](void* kept) { return kept; };
+  callbacks.udata_free = [](void*) -> herr_t { return 0; };
+  callbacks.udata = &image;
+  return callbacks;
+}
+
+/// Writes the HDF5 file that `build` fills. Datasets into which `build` writes nothing take no memory, but have their
+/// space on the disk.
+template <typename Build>
+void write_hdf5(const fs::path& path, Build build) {
+  std::vector<std::byte> image;
+  hsize_t size = 0;
+  {
+    const QuietHdf5 quiet;
+    auto callbacks = keep_in(image);
+    const Handle access(check(H5Pcreate(H5P_FILE_ACCESS), path), H5Pclose);
+    check(H5Pset_fapl_core(access, 4096, false), path);
+    check(H5Pset_file_image_callbacks(access, &callbacks), path);
+    check(H5Pset_meta_block_size(access, 32768), path);  // metadata first, all together: the image ends with them
+    Handle file(check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), path), H5Fclose);
+    build(static_cast<hid_t>(file));
+    check(H5Fget_filesize(file, &size), path);
+    check(file.close(), path);
+  }
+  Descriptor disk(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), path);
+  int code = reserve(disk, static_cast<std::int64_t>(std::max<std::uint64_t>(size, image.size())));
+  if (code == 0) code = write_at(disk, image, 0);
+  if (const int closing = disk.close(); code == 0) code = closing;
+  if (code != 0) throw coupling::SystemError(cannot_write(path, code));
+}
+
+void write_attribute(hid_t object, const char* name, hid_t type, const void* value, const fs::path& path) {
+  const Handle space(check(H5Screate(H5S_SCALAR), path), H5Sclose);
+  const Handle attribute(check(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), path), H5Aclose);
+  check(H5Awrite(attribute, type, value), path);
+}
+
+void write_text_attribute(hid_t object, const char* name, const std::string& text, const fs::path& path) {
+  const Handle type(check(H5Tcopy(H5T_C_S1), path), H5Tclose);
+  check(H5Tset_size(type, text.size()), path);
+  write_attribute(object, name, type, text.data(), path);
+}
+
+template <typename Value>
+void write_list(hid_t file, const char* name, hid_t type, const std::vector<Value>& values, const fs::path& path) {
+  const hsize_t size = values.size();
+  const Handle space(check(H5Screate_simple(1, &size, nullptr), path), H5Sclose);
+  const Handle set(check(H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), path), H5Dclose);
+  check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path);
+}
+
+/// One dataset of a frame: how it is stored, what XDMF calls it, and this rank's part of it.
+struct Dataset {
+  const char* name;
+  const char* unit;
+  hid_t type;
+  std::size_t components;
+  std::span<const std::byte> data;
+
+  [[nodiscard]] std::size_t bytes_per_particle() const { return H5Tget_size(type) * components; }
+};
+constexpr std::size_t dataset_count = 6;
+using Datasets = std::array<Dataset, dataset_count>;
+
+Datasets datasets_of(const FieldFrame& frame, hid_t id_type, std::span<const std::byte> ids) {
+  return {{{"position", "m", H5T_NATIVE_FLOAT, 3, std::as_bytes(frame.position)},
+           {"velocity", "m/s", H5T_NATIVE_FLOAT, 3, std::as_bytes(frame.velocity)},
+           {"pressure", "Pa", H5T_NATIVE_FLOAT, 1, std::as_bytes(frame.pressure)},
+           {"type", "0 fluid, 1 wall, 2 body", H5T_NATIVE_INT8, 1, std::as_bytes(frame.type)},
+           {"body_tag", "-1 for none", H5T_NATIVE_INT32, 1, std::as_bytes(frame.body_tag)},
+           {"ids", "number within the frame", id_type, 1, ids}}};
+}
+
+/// Rank 0: the file with its attributes and empty datasets, space reserved. Returns where each dataset starts in the
+/// file.
+std::array<std::int64_t, dataset_count> lay_out(const fs::path& path, const FieldFrame& frame, const Datasets& datasets,
+                                                std::int64_t particles) {
+  std::array<std::int64_t, dataset_count> starts{};
+  write_hdf5(path, [&](hid_t file) {
+    write_attribute(file, "time", H5T_NATIVE_DOUBLE, &frame.time, path);
+    write_attribute(file, "step", H5T_NATIVE_INT64, &frame.step, path);
+    write_attribute(file, "particles", H5T_NATIVE_INT64, &particles, path);
+    const Handle plan(check(H5Pcreate(H5P_DATASET_CREATE), path), H5Pclose);
+    check(H5Pset_layout(plan, H5D_CONTIGUOUS), path);
+    check(H5Pset_alloc_time(plan, H5D_ALLOC_TIME_EARLY), path);
+    check(H5Pset_fill_time(plan, H5D_FILL_TIME_NEVER), path);
+    for (std::size_t i = 0; i < datasets.size(); ++i) {
+      const Dataset& dataset = datasets[i];
+      const std::array<hsize_t, 2> extent{static_cast<hsize_t>(particles), dataset.components};
+      const Handle space(check(H5Screate_simple(dataset.components > 1 ? 2 : 1, extent.data(), nullptr), path),
+                         H5Sclose);
+      const Handle set(check(H5Dcreate2(file, dataset.name, dataset.type, space, H5P_DEFAULT, plan, H5P_DEFAULT), path),
+                       H5Dclose);
+      write_text_attribute(set, "unit", dataset.unit, path);
+      // An empty dataset has no place, and nothing is written into it.
+      starts[i] = particles > 0 ? static_cast<std::int64_t>(H5Dget_offset(set)) : 0;
+    }
+  });
+  return starts;
+}
+
+/// Every rank: its slab of each dataset, `first` being the number of particles on lower ranks.
+void write_slabs(const fs::path& path, const Datasets& datasets, const std::array<std::int64_t, dataset_count>& starts,
+                 std::int64_t first) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC), path);
+  int code = 0;
+  for (std::size_t i = 0; i < datasets.size() && code == 0; ++i) {
+    const auto skipped = first * static_cast<std::int64_t>(datasets[i].bytes_per_particle());
+    code = write_at(file, datasets[i].data, starts[i] + skipped);
+  }
+  if (const int closing = file.close(); code == 0) code = closing;
+  if (code != 0) throw coupling::SystemError(cannot_write(path, code));
+}
+
+/// Runs `work` where `active`; an error on any rank becomes a SystemError on every rank.
+template <typename Work>
+void in_agreement(MPI_Comm comm, bool active, Work work) {
+  std::string error;
+  if (active) {
+    try {
+      work();
+    } catch (const std::exception& failure) {
+      error = failure.what();
+    }
+  }
+  throw_on_all_if_any(comm, error);
+}
+
+/// What the indices need to know of a frame already written.
+struct FrameRecord {
+  double time = 0;
+  std::int64_t step = 0;
+  std::int64_t particles = 0;
+};
+
+std::string frame_number(std::size_t index) { return fmt::format("{:06}", index); }
+
+/// fields.h5: all frames as external links, with their times and steps.
+void write_master(const fs::path& path, const std::vector<FrameRecord>& frames) {
+  write_hdf5(beside(path), [&](hid_t file) {
+    std::vector<double> times;
+    std::vector<std::int64_t> steps;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      times.push_back(frames[i].time);
+      steps.push_back(frames[i].step);
+      const std::string number = frame_number(i);
+      check(H5Lcreate_external(("fields/" + number + ".h5").c_str(), "/", file, ("frame_" + number).c_str(),
+                               H5P_DEFAULT, H5P_DEFAULT),
+            path);
+    }
+    write_list(file, "times", H5T_NATIVE_DOUBLE, times, path);
+    write_list(file, "steps", H5T_NATIVE_INT64, steps, path);
+  });
+  move_into_place(path);
+}
+
+/// fields.xdmf. ParaView's Xdmf3 reader shows no points without explicit ids as connectivity.
+void write_xdmf(const fs::path& path, const std::vector<FrameRecord>& frames) {
+  std::string text =
+      "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+      "    <Grid Name=\"particles\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto n = frames[i].particles;
+    const auto item = [&](const char* name, const char* number_type, int precision, bool vector) {
+      return fmt::format(
+          R"(<DataItem Format="HDF" NumberType="{}" Precision="{}" Dimensions="{}{}">fields/{}.h5:/{}</DataItem>)",
+          number_type, precision, n, vector ? " 3" : "", frame_number(i), name);
+    };
+    const auto attribute = [&](const char* name, const char* number_type, int precision, bool vector) {
+      return fmt::format("        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", name,
+                         vector ? "Vector" : "Scalar", item(name, number_type, precision, vector));
+    };
+    text += fmt::format("      <Grid Name=\"frame_{}\" GridType=\"Uniform\">\n        <Time Value=\"{}\"/>\n",
+                        frame_number(i), frames[i].time);
+    text += fmt::format(
+        "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">{}</Topology>\n",
+        n, item("ids", "Int", n > std::numeric_limits<std::int32_t>::max() ? 8 : 4, false));
+    text += fmt::format("        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item("position", "Float", 4, true));
+    text += attribute("velocity", "Float", 4, true);
+    text += attribute("pressure", "Float", 4, false);
+    text += attribute("type", "Char", 1, false);
+    text += attribute("body_tag", "Int", 4, false);
+    text += "      </Grid>\n";
+  }
+  text += "    </Grid>\n  </Domain>\n</Xdmf>\n";
+  write_whole_file(path, text);
+}
+
+/// The numbers first, first + 1, ... of this rank's particles within the frame, as Integer.
+template <typename Integer>
+std::vector<Integer> numbered(std::int64_t first, std::size_t count) {
+  std::vector<Integer> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), static_cast<Integer>(first));
+  return numbers;
+}
+
+}  // namespace
+
+struct FieldWriter::Impl {
+  MPI_Comm comm = MPI_COMM_NULL;
+  int rank = 0;
+  fs::path folder;
+  std::vector<FrameRecord> frames;
+};
+
+FieldWriter::FieldWriter(MPI_Comm comm, fs::path folder) : impl_(std::make_unique<Impl>()) {
+  report_file_size_limit_as_error();
+  impl_->comm = comm;
+  MPI_Comm_rank(comm, &impl_->rank);
+  impl_->folder = std::move(folder);
+  in_agreement(comm, impl_->rank == 0, [&] {
+    std::error_code code;
+    fs::create_directories(impl_->folder / "fields", code);
+    if (code) throw coupling::SystemError(cannot_write(impl_->folder / "fields", code.value()));
+    for (const char* index : {"fields.h5", "fields.xdmf"}) {  // of an earlier run: would list frames now overwritten
+      fs::remove(impl_->folder / index, code);
+      if (code) throw coupling::SystemError(cannot_write(impl_->folder / index, code.value()));
+    }
+  });
+}
+
+FieldWriter::~FieldWriter() = default;
+
+int FieldWriter::frames() const { return static_cast<int>(impl_->frames.size()); }
+
+void FieldWriter::write(const FieldFrame& frame) {
+  const std::size_t count = frame.pressure.size();
+  assert(frame.position.size() == 3 * count && frame.velocity.size() == 3 * count);
+  assert(frame.type.size() == count && frame.body_tag.size() == count);
+
+  const MPI_Comm comm = impl_->comm;
+  const auto local = static_cast<std::int64_t>(count);
+  std::int64_t particles = 0;
+  std::int64_t first = 0;
+  MPI_Allreduce(&local, &particles, 1, MPI_INT64_T, MPI_SUM, comm);
+  MPI_Exscan(&local, &first, 1, MPI_INT64_T, MPI_SUM, comm);
+  if (impl_->rank == 0) first = 0;
+
+  const bool wide = particles > std::numeric_limits<std::int32_t>::max();
+  const auto narrow_ids = numbered<std::int32_t>(first, wide ? 0 : count);
+  const auto wide_ids = numbered<std::int64_t>(first, wide ? count : 0);
+  const Datasets datasets =
+      datasets_of(frame, wide ? H5T_NATIVE_INT64 : H5T_NATIVE_INT32,
+                  wide ? std::as_bytes(std::span(wide_ids)) : std::as_bytes(std::span(narrow_ids)));
+
+  const fs::path path = impl_->folder / "fields" / (frame_number(impl_->frames.size()) + ".h5");
+  const fs::path part = beside(path);
+  auto records = impl_->frames;
+  records.push_back({frame.time, frame.step, particles});
+  try {
+    std::array<std::int64_t, dataset_count> starts{};
+    in_agreement(comm, impl_->rank == 0, [&] { starts = lay_out(part, frame, datasets, particles); });
+    MPI_Bcast(starts.data(), static_cast<int>(starts.size()), MPI_INT64_T, 0, comm);
+    in_agreement(comm, local > 0, [&] { write_slabs(part, datasets, starts, first); });
+    in_agreement(comm, impl_->rank == 0, [&] {
+      move_into_place(path);
+      write_master(impl_->folder / "fields.h5", records);
+      write_xdmf(impl_->folder / "fields.xdmf", records);
+    });
+  } catch (const coupling::SystemError&) {
+    if (impl_->rank == 0) {  // give the space back: the frames before stay readable
+      std::error_code ignored;
+      fs::remove(part, ignored);
+      fs::remove(beside(impl_->folder / "fields.h5"), ignored);
+    }
+    throw;
+  }
+  impl_->frames = std::move(records);
+}
+
+}  // namespace embacle::mps
