@@ -4,6 +4,10 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 endif()
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# Programs and libraries where the front door and the tests find them; installed programs find theirs beside them.
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+set(CMAKE_INSTALL_RPATH $ORIGIN/../${CMAKE_INSTALL_LIBDIR})
 
 add_library(embacle_options INTERFACE)
 target_compile_features(embacle_options INTERFACE cxx_std_20)
@@ -18,6 +22,7 @@ if(EMBACLE_SANITIZE)
 endif()
 
 # embacle_test(NAME SOURCES... [RANKS 1 2 4] [LIBRARIES ...]): a GoogleTest program, run on each of the rank counts.
+# All carry the label `unit` (./embacle test -L unit).
 # Programs with RANKS have their own main that initialises MPI: link embacle_test_main_mpi (coupling/tests).
 function(embacle_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;RANKS;LIBRARIES" ${ARGN})
@@ -31,12 +36,12 @@ function(embacle_test name)
     foreach(ranks ${ARG_RANKS})
       add_test(NAME ${name}.${ranks} COMMAND ${MPIEXEC_EXECUTABLE} --oversubscribe --mca mpi_yield_when_idle 1
         --mca btl_vader_single_copy_mechanism none -n ${ranks} $<TARGET_FILE:${name}>)
-      set_tests_properties(${name}.${ranks} PROPERTIES TIMEOUT ${ARG_TIMEOUT} PROCESSORS ${ranks}
+      set_tests_properties(${name}.${ranks} PROPERTIES TIMEOUT ${ARG_TIMEOUT} PROCESSORS ${ranks} LABELS unit
         ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1")
     endforeach()
   else()
     target_link_libraries(${name} PRIVATE GTest::gtest_main)
     add_test(NAME ${name} COMMAND ${name})
-    set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS unit)
   endif()
 endfunction()
