@@ -1,0 +1,188 @@
+// The rules between the keys of a scene: what no single key can be checked for. Included by reader.cpp only.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+#include "scene/schema.hpp"
+#include "scene/units.hpp"
+
+namespace embacle::mps {
+
+/// Support radii [l0] for which a kernel is usable. Below 2 the Wendland kernel hardly sees the second neighbours;
+/// beyond 4 the rational kernel, singular at zero, gains nothing over its neighbours' noise.
+[[nodiscard]] inline Range support_range(KernelKind kernel) {
+  return kernel == KernelKind::wendland ? Range{.lower = 2, .upper = 5} : Range{.lower = 1.5, .upper = 4};
+}
+
+/// What the rules between keys need to know of the file, and where they report. Paths are those of the messages
+/// ("water.upstream.level").
+struct RuleContext {
+  std::function<bool(const std::string& path)> given;       ///< the file or an override has this key
+  std::function<bool(const std::string& path)> overridden;  ///< an override has set this key
+  std::function<bool(const std::string& path)> sound;       ///< neither the key nor anything below it has a problem
+  std::function<void(const std::vector<std::string>& paths, const std::string& problem)> report;
+};
+
+/// Checks the order of corners, that everything is inside the domain, and keys that exclude each other.
+class Rules {
+ public:
+  Rules(const Scene& scene, const RuleContext& context) : scene_(scene), context_(context) {}
+
+  void check() {
+    domain_sound_ =
+        context_.sound("domain") && context_.sound("dimension") && check_corners("domain", scene_.domain, true);
+    if (scene_.dimension == 3 && context_.given("domain.thickness"))
+      context_.report({"domain.thickness"}, "only for 2-D scenes; leave it out or set dimension = 2");
+    check_numerics();
+    each("water", scene_.water, [this](const std::string& path, const Water& water) { check_water(path, water); });
+    each("wall", scene_.walls, [this](const std::string& path, const Wall& wall) { check_wall(path, wall); });
+    each("gauge", scene_.gauges, [this](const std::string& path, const Gauge& gauge) { check_gauge(path, gauge); });
+    check_output();
+  }
+
+ private:
+  static constexpr std::array<char, 3> axis_names{'x', 'y', 'z'};
+
+  /// Visits the elements that were read without a problem, each name once.
+  template <class T, class F>
+  void each(const std::string& kind, const std::vector<T>& elements, F&& f) {
+    std::set<std::string> seen;
+    for (const T& element : elements) {
+      const std::string path = kind + "." + element.name;
+      if (!element.name.empty() && seen.insert(element.name).second && context_.sound(path)) f(path, element);
+    }
+  }
+
+  std::string text(const Vec3d& v) const {
+    std::string result = "[" + number_text(v[0]);
+    for (int axis = 1; axis < scene_.dimension; ++axis) result += ", " + number_text(v[axis]);
+    return result + "]";
+  }
+
+  bool check_corners(const std::string& path, const BoxRegion& region, bool volume_needed) {
+    for (int axis = 0; axis < scene_.dimension; ++axis) {
+      const double lower = region.lower[axis];
+      const double upper = region.upper[axis];
+      if (lower < upper || (lower == upper && !volume_needed)) continue;
+      context_.report({path + ".upper", path + ".lower"},
+                      std::string("in ") + axis_names[axis] + " upper (" + number_text(upper) + " m) must be " +
+                          (volume_needed ? "greater than" : "at least") + " lower (" + number_text(lower) + " m)");
+      return false;
+    }
+    return true;
+  }
+
+  /// Rounding of sums of parameters must not put something outside that stands exactly on the border.
+  bool inside_domain(const Vec3d& point) const {
+    for (int axis = 0; axis < scene_.dimension; ++axis) {
+      const double slack = 1e-9 * (scene_.domain.upper[axis] - scene_.domain.lower[axis]);
+      if (point[axis] < scene_.domain.lower[axis] - slack || point[axis] > scene_.domain.upper[axis] + slack)
+        return false;
+    }
+    return true;
+  }
+
+  void check_inside(const std::string& path, const std::string& key, const Vec3d& point) {
+    if (!domain_sound_ || inside_domain(point)) return;
+    context_.report({path + "." + key, "domain.lower", "domain.upper"}, text(point) + " m is outside of the domain, " +
+                                                                            text(scene_.domain.lower) + " to " +
+                                                                            text(scene_.domain.upper) + " m");
+  }
+
+  void check_region(const std::string& path, const BoxRegion& region, bool volume_needed) {
+    if (!check_corners(path, region, volume_needed)) return;
+    check_inside(path, "lower", region.lower);
+    check_inside(path, "upper", region.upper);
+  }
+
+  void check_numerics() {
+    const Numerics& n = scene_.numerics;
+    if (context_.given("numerics.support") && context_.sound("numerics.support") && context_.sound("numerics.kernel")) {
+      const Range range = support_range(n.kernel);
+      if (!range.contains(n.support))
+        context_.report({"numerics.support", "numerics.kernel"},
+                        number_text(n.support) + " does not suit the " +
+                            (n.kernel == KernelKind::wendland ? "wendland" : "rational") +
+                            " kernel; allowed: " + range.text());
+    }
+    if (!domain_sound_ || !context_.sound("numerics.particle_distance")) return;
+    for (int axis = 0; axis < scene_.dimension; ++axis) {
+      const double extent = scene_.domain.upper[axis] - scene_.domain.lower[axis];
+      if (n.particle_distance <= extent) continue;
+      context_.report({"numerics.particle_distance", "domain.lower", "domain.upper"},
+                      number_text(n.particle_distance) + " m is more than the domain's extent in " + axis_names[axis] +
+                          ", " + number_text(extent) + " m");
+      return;
+    }
+  }
+
+  void check_water(const std::string& path, const Water& water) {
+    check_region(path, water.region, false);
+    if (water.level && scene_.fluid.gravity == Vec3d{} && context_.sound("fluid.gravity"))
+      context_.report({path + ".level"}, "a level needs gravity, and fluid.gravity is zero; leave it out");
+  }
+
+  void check_wall(const std::string& path, const Wall& wall) {
+    check_region(path, wall.region, true);
+    if (wall.kind == Wall::Kind::box && context_.given(path + ".open"))
+      context_.report({path + ".open"},
+                      "only a tank has open sides, and this wall is a box; leave it out or set kind = \"tank\"");
+    if (wall.kind == Wall::Kind::tank) {
+      const std::set<std::string> open(wall.open.begin(), wall.open.end());
+      if (open.size() < wall.open.size()) context_.report({path + ".open"}, "names a side twice");
+      if (static_cast<int>(open.size()) == 2 * scene_.dimension)
+        context_.report({path + ".open"}, "all sides are open: nothing is left of the tank");
+      if (scene_.dimension == 2 && (open.contains("z-") || open.contains("z+")))
+        context_.report({path + ".open"}, "a 2-D tank has no sides in z; allowed: x-, x+, y-, y+");
+    }
+    if (wall.motion) check_motion(path + ".motion", *wall.motion);
+  }
+
+  void check_motion(const std::string& path, const Motion& motion) {
+    const bool has_table = context_.given(path + ".table");
+    const bool has_velocity = context_.given(path + ".velocity");
+    if (has_table == has_velocity)
+      context_.report({has_table ? path + ".table" : path}, has_table
+                                                                ? "a motion has either a table or a velocity, not both"
+                                                                : "needs a velocity or a table");
+    for (const char* key : {".start", ".stop"})
+      if (has_table && !has_velocity && context_.given(path + key))
+        context_.report({path + key},
+                        "belongs to a motion by velocity, and this one has a table, which says when; leave it out");
+    if (!has_table && motion.stop <= motion.start)
+      context_.report({path + ".stop", path + ".start"},
+                      number_text(motion.stop) + " s must be after start (" + number_text(motion.start) + " s)");
+  }
+
+  void check_gauge(const std::string& path, const Gauge& gauge) {
+    const bool front = gauge.kind == GaugeKind::front;
+    const bool has_position = context_.given(path + ".position");
+    if (front && has_position)
+      context_.report({path + ".position"}, "a front has a direction, no position; leave it out");
+    if (!front && !has_position) context_.report({path}, "the key 'position' is required for a gauge of this kind");
+    if (!front && has_position) check_inside(path, "position", gauge.position);
+    if (!front && context_.given(path + ".direction"))
+      context_.report({path + ".direction"}, "only a front has a direction; leave it out");
+    if (front && gauge.direction == Vec3d{}) context_.report({path + ".direction"}, "must not be zero");
+  }
+
+  /// A run that is cut short from the command line may have pictures after its end: they are just not taken.
+  void check_output() {
+    if (!context_.sound("run.end_time") || !context_.sound("output.pictures")) return;
+    for (const double time : scene_.output.pictures)
+      if (time > scene_.end_time && !context_.overridden("run.end_time"))
+        context_.report({"output.pictures"}, number_text(time) + " s is after the end of the run (run.end_time = " +
+                                                 number_text(scene_.end_time) + " s)");
+  }
+
+  const Scene& scene_;
+  const RuleContext& context_;
+  bool domain_sound_ = false;
+};
+
+}  // namespace embacle::mps

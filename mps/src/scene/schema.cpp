@@ -1,0 +1,424 @@
+#include "scene/schema.hpp"
+
+#include <algorithm>
+
+#include "scene/reader.hpp"
+#include "scene/suggest.hpp"
+
+namespace embacle::mps {
+namespace {
+
+constexpr Range positive{.lower = 0, .lower_open = true};
+constexpr Range not_negative{.lower = 0};
+constexpr Range between(double lower, double upper) { return {.lower = lower, .upper = upper}; }
+
+Schema make_schema() {
+  using Q = Quantity;
+  Schema s;
+  s.root = {"",
+            "Keys at the top of the file, before the first section.",
+            {
+                {{.name = "title", .meaning = "one line that says what the scene shows", .default_text = "none"},
+                 [](Scene& x) -> Target { return &x.title; }},
+                {{.name = "dimension",
+                  .meaning = "number of space dimensions; in 2-D the plane is x-y, with y upwards",
+                  .range = between(2, 3)},
+                 [](Scene& x) -> Target { return &x.dimension; }},
+            },
+            {"parameters", "domain", "fluid", "numerics", "water", "wall", "gauge", "coupling", "output", "run"}};
+  s.domain = {"domain",
+              "The box that holds everything. Water that leaves it ends the run with status 3.",
+              {
+                  {{.name = "lower", .meaning = "lowest corner", .quantity = Q::length, .required = true},
+                   [](Scene& x) -> Target { return &x.domain.lower; }},
+                  {{.name = "upper", .meaning = "highest corner", .quantity = Q::length, .required = true},
+                   [](Scene& x) -> Target { return &x.domain.upper; }},
+                  {{.name = "thickness",
+                    .meaning = "2-D only: depth of the slice, to which loads on bodies refer",
+                    .quantity = Q::length,
+                    .range = positive},
+                   [](Scene& x) -> Target { return &x.thickness; }},
+              },
+              {}};
+  s.fluid = {"fluid",
+             "The liquid.",
+             {
+                 {{.name = "density", .meaning = "density at rest", .quantity = Q::density, .range = positive},
+                  [](Fluid& x) -> Target { return &x.density; }},
+                 {{.name = "kinematic_viscosity",
+                   .meaning = "kinematic viscosity; 0 leaves the viscous term out (water at 20 °C: 1e-6 m2/s)",
+                   .quantity = Q::kinematic_viscosity,
+                   .range = not_negative},
+                  [](Fluid& x) -> Target { return &x.kinematic_viscosity; }},
+                 {{.name = "gravity",
+                   .meaning = "acceleration of gravity",
+                   .quantity = Q::acceleration,
+                   .default_text = "[0, 0, -9.81]; in 2-D [0, -9.81]"},
+                  [](Fluid& x) -> Target { return &x.gravity; }},
+             },
+             {}};
+  s.numerics = {"numerics",
+                "Resolution and the coefficients of the method. Only `particle_distance` has to be chosen. l0 is the "
+                "particle distance.",
+                {
+                    {{.name = "particle_distance",
+                      .meaning = "distance l0 of the particles at the start: the resolution",
+                      .quantity = Q::length,
+                      .range = positive,
+                      .required = true},
+                     [](Numerics& x) -> Target { return &x.particle_distance; }},
+                    {{.name = "kernel", .meaning = "weight function", .choices = {"wendland", "rational"}},
+                     [](Numerics& x) -> Target { return &x.kernel; }},
+                    {{.name = "support",
+                      .meaning = "radius of the kernel in l0; `wendland` from 2, `rational` up to 4",
+                      .range = between(1.5, 5),
+                      .default_text = "the kernel's own"},
+                     [](Numerics& x) -> Target { return &x.support; }},
+                    {{.name = "cfl",
+                      .meaning = "Courant number: time step times (sound speed + reference speed) over l0",
+                      .range = between(0.01, 2)},
+                     [](Numerics& x) -> Target { return &x.cfl; }},
+                    {{.name = "sound_speed",
+                      .meaning = "numerical speed of sound; 0: ten times the reference speed",
+                      .quantity = Q::speed,
+                      .range = not_negative},
+                     [](Numerics& x) -> Target { return &x.sound_speed; }},
+                    {{.name = "reference_speed",
+                      .meaning = "largest speed expected; 0: from the hydraulic head and the motions",
+                      .quantity = Q::speed,
+                      .range = not_negative},
+                     [](Numerics& x) -> Target { return &x.reference_speed; }},
+                    {{.name = "artificial_viscosity",
+                      .meaning = "coefficient of the artificial viscosity",
+                      .range = between(0, 1)},
+                     [](Numerics& x) -> Target { return &x.artificial_viscosity; }},
+                    {{.name = "density_diffusion",
+                      .meaning = "coefficient of the density diffusion, in sound speed times l0",
+                      .range = between(0, 1)},
+                     [](Numerics& x) -> Target { return &x.density_diffusion; }},
+                    {{.name = "collision_distance",
+                      .meaning = "particles nearer than this, in l0, collide; 0 leaves the collision out",
+                      .range = between(0, 1)},
+                     [](Numerics& x) -> Target { return &x.collision_distance; }},
+                    {{.name = "collision_restitution",
+                      .meaning = "coefficient of restitution of these collisions",
+                      .range = between(0, 1)},
+                     [](Numerics& x) -> Target { return &x.collision_restitution; }},
+                    {{.name = "skin",
+                      .meaning = "reserve of the neighbour list in l0: larger means rarer, but longer lists",
+                      .range = between(0, 2)},
+                     [](Numerics& x) -> Target { return &x.skin; }},
+                    {{.name = "rebalance_imbalance",
+                      .meaning = "share the particles out anew when the busiest rank has this times the mean work",
+                      .range = between(1, 100)},
+                     [](Numerics& x) -> Target { return &x.rebalance_imbalance; }},
+                },
+                {}};
+  const Key name{
+      .name = "name",
+      .meaning = "its name, for messages, files and `--set`: letters, digits, _ and -; unique among its kind",
+      .required = true,
+      .label = true};
+  s.water = {"water",
+             "A box filled with water at the start, less what solids occupy. Any number of them.",
+             {
+                 {name, [](Water& x) -> Target { return &x.name; }},
+                 {{.name = "lower", .meaning = "lowest corner", .quantity = Q::length, .required = true},
+                  [](Water& x) -> Target { return &x.region.lower; }},
+                 {{.name = "upper",
+                   .meaning = "highest corner; a box without volume is allowed and holds no water",
+                   .quantity = Q::length,
+                   .required = true},
+                  [](Water& x) -> Target { return &x.region.upper; }},
+                 {{.name = "velocity", .meaning = "velocity at the start", .quantity = Q::speed},
+                  [](Water& x) -> Target { return &x.velocity; }},
+                 {{.name = "level",
+                   .meaning = "height of the water level against gravity, from which the first pressure is hydrostatic",
+                   .quantity = Q::length,
+                   .default_text = "top of the box"},
+                  [](Water& x) -> Target { return &x.level; }},
+             },
+             {},
+             true};
+  s.wall = {"wall",
+            "A solid boundary. Any number of them.",
+            {
+                {name, [](Wall& x) -> Target { return &x.name; }},
+                {{.name = "kind",
+                  .meaning = "`tank`: the water is inside of the box; `box`: the box is solid",
+                  .choices = {"tank", "box"}},
+                 [](Wall& x) -> Target { return &x.kind; }},
+                {{.name = "lower",
+                  .meaning = "lowest corner: of a tank's inner faces, of a box's outer faces",
+                  .quantity = Q::length,
+                  .required = true},
+                 [](Wall& x) -> Target { return &x.region.lower; }},
+                {{.name = "upper", .meaning = "highest corner, likewise", .quantity = Q::length, .required = true},
+                 [](Wall& x) -> Target { return &x.region.upper; }},
+                {{.name = "open",
+                  .meaning = "sides of a tank that have no wall",
+                  .choices = {"x-", "x+", "y-", "y+", "z-", "z+"}},
+                 [](Wall& x) -> Target { return &x.open; }},
+            },
+            {"motion"},
+            true};
+  s.motion = {
+      "wall.motion",
+      "Prescribed motion of the wall it stands under: either `velocity` or `table`.",
+      {
+          {{.name = "velocity",
+            .meaning = "constant velocity between `start` and `stop`",
+            .quantity = Q::speed,
+            .default_text = "none"},
+           [](Motion& x) -> Target { return &x.velocity; }},
+          {{.name = "start", .meaning = "when it starts to move", .quantity = Q::time, .range = not_negative},
+           [](Motion& x) -> Target { return &x.start; }},
+          {{.name = "stop",
+            .meaning = "when it stops",
+            .quantity = Q::time,
+            .range = not_negative,
+            .default_text = "never"},
+           [](Motion& x) -> Target { return &x.stop; }},
+          {{.name = "table",
+            .meaning =
+                "CSV file of the displacement over time, path relative to the scene file: a header line "
+                "`t [s], x [m], y [m], z [m]` (in 2-D without z) and rows of rising time; linear in between, held "
+                "before and after",
+            .default_text = "none"},
+           [](Motion& x) -> Target { return &x.table; }},
+      },
+      {}};
+  s.gauge = {
+      "gauge",
+      "A place where the water is recorded over time, in `gauges/NAME.csv`. Any number of them.",
+      {
+          {name, [](Gauge& x) -> Target { return &x.name; }},
+          {{.name = "kind",
+            .meaning = "`level`: height of the water in the column at `position`; `pressure`: pressure at `position`; "
+                       "`front`: farthest connected water along `direction`",
+            .choices = {"level", "pressure", "front"}},
+           [](Gauge& x) -> Target { return &x.kind; }},
+          {{.name = "position",
+            .meaning = "point of the gauge; required except for `front`, which has none",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Gauge& x) -> Target { return &x.position; }},
+          {{.name = "direction", .meaning = "of a `front` only: where it runs to; of any length but zero"},
+           [](Gauge& x) -> Target { return &x.direction; }},
+      },
+      {},
+      true};
+  s.coupling = {
+      "coupling",
+      "The solids. Without this section the scene has none, and LIGGGHTS is not needed.",
+      {
+          {{.name = "script", .meaning = "LIGGGHTS input script, path relative to the scene file", .required = true},
+           [](Coupling& x) -> Target { return &x.script; }},
+          {{.name = "steps_per_window",
+            .meaning = "fluid steps between two exchanges with the solids",
+            .range = between(1, 10000)},
+           [](Coupling& x) -> Target { return &x.steps_per_window; }},
+          {{.name = "scheme",
+            .meaning =
+                "`serial`: fluid and solids take turns; `parallel`: they work at the same time, one window apart",
+            .choices = {"serial", "parallel"}},
+           [](Coupling& x) -> Target { return &x.scheme; }},
+          {{.name = "predictor", .meaning = "the fluid predicts the bodies' motion within a window"},
+           [](Coupling& x) -> Target { return &x.predictor; }},
+      },
+      {"variables"}};
+  s.output = {"output",
+              "What is written, and how often.",
+              {
+                  {{.name = "fields_every",
+                    .meaning = "interval of the particle fields; 0: only the start and the end",
+                    .quantity = Q::time,
+                    .range = not_negative},
+                   [](Output& x) -> Target { return &x.fields_every; }},
+                  {{.name = "bodies_every",
+                    .meaning = "interval of `bodies.csv`; 0: every window",
+                    .quantity = Q::time,
+                    .range = not_negative},
+                   [](Output& x) -> Target { return &x.bodies_every; }},
+                  {{.name = "gauges_every",
+                    .meaning = "interval of the gauges; 0: a thousandth of the run",
+                    .quantity = Q::time,
+                    .range = not_negative},
+                   [](Output& x) -> Target { return &x.gauges_every; }},
+                  {{.name = "energies_every",
+                    .meaning = "interval of the energies; 0: a hundredth of the run",
+                    .quantity = Q::time,
+                    .range = not_negative},
+                   [](Output& x) -> Target { return &x.energies_every; }},
+                  {{.name = "fields", .meaning = "whether particle fields are written at all"},
+                   [](Output& x) -> Target { return &x.fields; }},
+                  {{.name = "audit",
+                    .meaning = "check conservation in every window (costs a reduction over the ranks a window)"},
+                   [](Output& x) -> Target { return &x.audit; }},
+                  {{.name = "pictures", .meaning = "times of PNG pictures", .quantity = Q::time, .range = not_negative},
+                   [](Output& x) -> Target { return &x.pictures; }},
+              },
+              {}};
+  s.run = {"run",
+           "How long.",
+           {{{.name = "end_time",
+              .meaning = "simulated time at which the run ends",
+              .quantity = Q::time,
+              .range = positive,
+              .required = true},
+             [](Scene& x) -> Target { return &x.end_time; }}},
+           {}};
+  return s;
+}
+
+std::string unit_text(const Key& key) {
+  return key.quantity == Quantity::plain ? "" : " " + std::string(si_unit(key.quantity));
+}
+
+/// "length [m]", "number", "vector of speed [m/s]" ...
+std::string type_text(const Key& key, const Target& target) {
+  const std::string number = key.quantity == Quantity::plain ? "number"
+                                                             : std::string(quantity_name(key.quantity)) + " [" +
+                                                                   std::string(si_unit(key.quantity)) + "]";
+  if (std::holds_alternative<Vec3d*>(target)) return "vector of " + number;
+  if (std::holds_alternative<std::vector<double>*>(target)) return "list of " + number;
+  if (std::holds_alternative<std::vector<std::string>*>(target)) return "list of words";
+  if (std::holds_alternative<int*>(target)) return "whole number";
+  if (std::holds_alternative<bool*>(target)) return "true or false";
+  if (std::holds_alternative<std::string*>(target)) return "text";
+  if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target))
+    return "file";
+  return key.choices.empty() ? number : "word";
+}
+
+/// The value in a fresh structure, as one would write it.
+std::string default_text(const Key& key, const Target& target) {
+  if (key.required) return "**required**";
+  if (!key.default_text.empty()) return key.default_text;
+  if (const auto* number = std::get_if<double*>(&target)) return number_text(**number) + unit_text(key);
+  if (const auto* number = std::get_if<int*>(&target)) return number_text(**number);
+  if (const auto* truth = std::get_if<bool*>(&target)) return **truth ? "true" : "false";
+  if (const auto* vector = std::get_if<Vec3d*>(&target))
+    return "[" + number_text((**vector)[0]) + ", " + number_text((**vector)[1]) + ", " + number_text((**vector)[2]) +
+           "]";
+  std::size_t choice = key.choices.size();
+  if (const auto* kernel = std::get_if<KernelKind*>(&target)) choice = static_cast<std::size_t>(**kernel);
+  if (const auto* scheme = std::get_if<Scheme*>(&target)) choice = static_cast<std::size_t>(**scheme);
+  if (const auto* gauge = std::get_if<GaugeKind*>(&target)) choice = static_cast<std::size_t>(**gauge);
+  if (const auto* wall = std::get_if<Wall::Kind*>(&target)) choice = static_cast<std::size_t>(**wall);
+  return choice < key.choices.size() ? "`" + key.choices[choice] + "`" : "none";
+}
+
+std::string allowed_text(const Key& key) {
+  if (key.choices.empty()) return key.range.text() + (key.range.text().empty() ? "" : unit_text(key));
+  std::string result;
+  for (const std::string& choice : key.choices) result += (result.empty() ? "`" : ", `") + choice + "`";
+  return result;
+}
+
+}  // namespace
+
+std::string expectation(const Key& key, const Target& target, int dimension) {
+  const std::string choices = join(key.choices);
+  const std::string quantity = key.quantity == Quantity::plain
+                                   ? how_to_write(key.quantity)
+                                   : std::string(quantity_name(key.quantity)) + ", " + how_to_write(key.quantity);
+  struct Describe {
+    const Key& key;
+    const std::string& choices;
+    const std::string& quantity;
+    int dimension;
+    std::string operator()(const double*) const { return quantity; }
+    std::string operator()(const std::optional<double>*) const { return quantity; }
+    std::string operator()(const Vec3d*) const {
+      return "a list of " + std::to_string(dimension) + " components, each " + quantity;
+    }
+    std::string operator()(const int*) const { return "a whole number, " + key.range.text(); }
+    std::string operator()(const bool*) const { return "true or false"; }
+    std::string operator()(const std::string*) const {
+      return key.label ? "a name in quotes, of letters, digits, _ and -" : "text in quotes";
+    }
+    std::string operator()(const std::filesystem::path*) const {
+      return "name of a file in quotes, relative to the scene file";
+    }
+    std::string operator()(const std::vector<double>*) const { return "a list, each element " + quantity; }
+    std::string operator()(const std::vector<std::string>*) const { return "a list of any of " + choices; }
+    std::string operator()(const MotionTable*) const {
+      return operator()(static_cast<const std::filesystem::path*>(nullptr));
+    }
+    std::string operator()(const KernelKind*) const { return choices; }
+    std::string operator()(const Scheme*) const { return choices; }
+    std::string operator()(const GaugeKind*) const { return choices; }
+    std::string operator()(const Wall::Kind*) const { return choices; }
+  };
+  return std::visit(Describe{key, choices, quantity, dimension}, target);
+}
+
+std::string Range::text() const {
+  const bool below = std::isfinite(lower);
+  const bool above = std::isfinite(upper);
+  if (below && above) return number_text(lower) + " to " + number_text(upper);
+  if (below) return (lower_open ? "> " : ">= ") + number_text(lower);
+  if (above) return "<= " + number_text(upper);
+  return {};
+}
+
+const Schema& schema() {
+  static const Schema instance = make_schema();
+  return instance;
+}
+
+std::string scene_reference() {
+  std::string page = R"(# Scene reference
+
+<!-- Generated by `mps --reference` from the schema in mps/src/scene/schema.cpp: change it there. -->
+
+A scene is a [TOML](https://toml.io) file in SI units. A number is SI; a text carries number and unit (`"2 mm"`) and is
+checked against the quantity that the key expects. A vector has as many components as the scene has dimensions. Unknown
+keys, wrong types and units, and values out of range are errors that name file, line and key.
+
+Values can be replaced from the command line: `--set fluid.density=868`, `--set numerics.particle_distance="4 mm"`,
+`--set parameters.depth=2.5cm`; tables that can occur several times go by their name: `--set water.upstream.level=0.3`.
+Paths in the file are relative to its folder.
+
+| quantity | SI unit | for example | units |
+|---|---|---|---|
+)";
+  for (const Quantity quantity :
+       {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::density,
+        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::plain}) {
+    const auto cell = [](std::string_view text) { return std::string(text) + " | "; };
+    page += "| " + cell(quantity_name(quantity)) + cell(si_unit(quantity)) +
+            cell("`\"" + std::string(example_of(quantity)) + "\"`") + std::string(usual_units(quantity)) + " |\n";
+  }
+  page += R"(
+Units combine with `/` and powers (`kg/m3`, `kg/m^3`, `kg/m³`). Parameters and variables take units of mass (kg, g, mg, t),
+force (N, kN, MN, mN), energy (J, kJ, mJ), power (W, kW), frequency (Hz, kHz) and volume (l) as well.
+
+## `[parameters]`
+
+Names and values of your own: numbers, quantities, text. `"$name"` stands for the value wherever a key takes such a value, also
+in vectors and lists; sums, differences and products with plain numbers are possible: `"$depth + 2 * 3 mm"`. A plain number
+counts as SI. Every parameter must be used somewhere; `[coupling.variables]` counts.
+)";
+  schema().for_each([&]<class T>(const Section<T>& section) {
+    const std::string name = section.repeated ? "[[" + section.path + "]]" : "[" + section.path + "]";
+    page += section.path.empty() ? "\n## Top of the file\n" : "\n## `" + name + "`\n";
+    page += "\n" + section.meaning + "\n\n| key | type | default | allowed | meaning |\n|---|---|---|---|---|\n";
+    for (const Field<T>& field : section.fields) {
+      T fresh{};
+      const Target target = field.target(fresh);
+      page += "| `" + field.key.name + "` | " + type_text(field.key, target) + " | " + default_text(field.key, target) +
+              " | " + allowed_text(field.key) + " | " + field.key.meaning + " |\n";
+    }
+  });
+  page += R"(
+## `[coupling.variables]`
+
+Names and values that the LIGGGHTS script gets as `-var name value`: numbers, quantities (passed as their SI number, angles in
+radians), other text as it stands, and `"$name"` of a parameter.
+)";
+  return page;
+}
+
+}  // namespace embacle::mps
