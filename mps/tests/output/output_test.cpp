@@ -13,10 +13,10 @@
 #include <limits>
 #include <memory>
 
-#include "csv.hpp"
 #include "embacle/coupling/types.hpp"
-#include "fields.hpp"
-#include "summary.hpp"
+#include "output/csv.hpp"
+#include "output/fields.hpp"
+#include "output/summary.hpp"
 
 namespace embacle::mps {
 namespace {

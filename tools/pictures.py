@@ -1,0 +1,322 @@
+#!/usr/bin/python3
+"""Pictures of a run: the water, the bodies and the walls from the front, as in laboratory photographs, and from above.
+
+Writes RUN/pictures/<time>s.png, one for each time of the scene's `pictures` (or each frame), and contact-sheet.png.
+"""
+import argparse
+import os
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.patheffects as effects
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.patches import Rectangle
+
+from run_folder import Bodies, Frames, RunFolderError, body_names, program, read_shapes, up_axis, wall_box
+
+WATER = LinearSegmentedColormap.from_list("water", ["#14467f", "#1f6fb2", "#4aa1d2", "#8dcde0", "#d0ebd6", "#fae48f"])
+ICE, EDGE, GATE = np.array([0.97, 0.955, 0.92]), "#3b2f20", "#6e6e6e"
+WIDTH, DPI = 8.0, 160  # of the front view [inch], and its resolution
+
+
+class View:
+    """An orthographic view: global coordinates to (right, up, towards the viewer)."""
+
+    def __init__(self, right, up):
+        self.axes = np.array([right, up, np.cross(right, up)])
+
+    def __call__(self, points):
+        return np.asarray(points, dtype=float) @ self.axes.T
+
+    def box(self, lower, upper):
+        corners = self(np.array([lower, upper]))
+        return corners.min(axis=0), corners.max(axis=0)
+
+
+def views(shapes):
+    """The front view (x, or y if x is vertical, to the right) and the view from above."""
+    axis, sign = up_axis(shapes)
+    up = sign * np.eye(3)[axis]
+    right = np.eye(3)[0 if axis != 0 else 1]
+    return View(right, up), View(right, np.cross(up, right))
+
+
+def faces_of(shape):
+    """Faces of a shape as a list of (corners, 3) arrays in the body frame [m], counter-clockwise from outside."""
+    size = np.array(shape["size"], dtype=float)
+    if shape["kind"] == "box":
+        corner = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * size / 2
+        return [corner[k] for k in ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])]
+    turn = np.linspace(0, 2 * np.pi, 25)
+    if shape["kind"] == "cylinder":
+        rim = np.stack([size[0] * np.cos(turn[:-1]), size[0] * np.sin(turn[:-1])], axis=1)
+        half = size[1] / 2
+        bottom, top = (np.column_stack([rim, np.full(len(rim), z)]) for z in (-half, half))
+        around = np.roll(np.arange(len(rim)), -1)
+        return [bottom[::-1], top] + [np.array([bottom[i], bottom[j], top[j], top[i]]) for i, j in enumerate(around)]
+    if shape["kind"] == "sphere":
+        tilt = np.linspace(0, np.pi, 13)
+        grid = size[0] * np.array([[[np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)] for b in turn] for a in tilt])
+        return [np.array([grid[i, j], grid[i + 1, j], grid[i + 1, j + 1], grid[i, j + 1]])
+                for i in range(len(tilt) - 1) for j in range(len(turn) - 1)]
+    raise RunFolderError(f"shapes.json: cannot draw a shape of kind {shape['kind']!r} (box, sphere, cylinder)")
+
+
+def hull(points):
+    """The convex outline of points in the plane (Andrew's monotone chain)."""
+    def chain(ordered):
+        kept = []
+        for p in ordered:
+            while len(kept) > 1:
+                a, b = kept[-1] - kept[-2], p - kept[-2]
+                if a[0] * b[1] - a[1] * b[0] > 0:
+                    break
+                kept.pop()
+            kept.append(p)
+        return kept[:-1]
+
+    ordered = np.unique(points, axis=0)
+    return np.array(chain(ordered) + chain(ordered[::-1]))
+
+
+class Scene:
+    """What stays the same from picture to picture."""
+
+    def __init__(self, folder):
+        self.shapes = read_shapes(folder)
+        self.frames = Frames(folder)
+        if len(self.frames.times) == 0:
+            raise RunFolderError(f"{folder}/fields.h5 holds no frame yet")
+        self.bodies = Bodies(folder)
+        self.names = body_names(self.shapes, self.bodies)
+        self.flat = self.shapes.get("dimension") == 2
+        self.l0 = float(self.shapes["particle_distance"])
+        self.front, self.above = views(self.shapes)
+        tanks = [wall for wall in self.shapes.get("walls", []) if wall["kind"] == "tank"]
+        bounds = tanks or [self.shapes["domain"]]
+        self.lower = np.min([wall["lower"] for wall in bounds], axis=0)
+        self.upper = np.max([wall["upper"] for wall in bounds], axis=0)
+        meshes = [faces_of(shape) for shape in self.shapes.get("shapes", [])]
+        smooth = [shape["kind"] == "sphere" for shape in self.shapes.get("shapes", [])]
+        self.meshes = {body["tag"]: (meshes[body["shape"]], smooth[body["shape"]])
+                       for body in self.shapes.get("bodies", [])}
+
+    def water(self, index, quantity):
+        """Positions [m] and the coloured quantity of the water's particles of a frame."""
+        position, kind = self.frames.read(index, "position", "type")
+        fluid = kind == 0
+        if quantity == "speed":
+            (velocity,) = self.frames.read(index, "velocity")
+            return position[fluid], np.linalg.norm(velocity[fluid], axis=1)
+        (pressure,) = self.frames.read(index, "pressure")
+        return position[fluid], pressure[fluid] / 1000
+
+
+def visible(points, l0):
+    """Indices, from far to near, of the particles that are not well behind another one in the picture."""
+    if len(points) == 0:
+        return np.empty(0, dtype=int)
+    cell = np.floor(points[:, :2] / (0.5 * l0)).astype(np.int64)
+    key = (cell[:, 0] - cell[:, 0].min()) * (np.ptp(cell[:, 1]) + 1) + cell[:, 1] - cell[:, 1].min()
+    _, group = np.unique(key, return_inverse=True)
+    nearest = np.full(group.max() + 1, -np.inf)
+    np.maximum.at(nearest, group, points[:, 2])
+    seen = np.flatnonzero(points[:, 2] >= nearest[group] - 2 * l0)
+    return seen[np.argsort(points[seen, 2], kind="stable")]
+
+
+def draw_bodies(axes, scene, view, time):
+    """Draws the bodies as solids; returns their depths, by which the water is layered around them."""
+    light = np.array([-0.25, 0.57, 0.78])
+    placed = []
+    for tag in scene.bodies.tags:
+        pose = scene.bodies.pose(tag, time)
+        if pose is not None and tag in scene.meshes:
+            placed.append((view(pose[0]), pose, tag))
+    placed.sort(key=lambda item: item[0][2])
+    for layer, (centre, (position, turned), tag) in enumerate(placed):
+        mesh, smooth = scene.meshes[tag]
+        polygons, colours = [], []
+        for face in mesh:
+            corners = view(face @ turned.T + position)
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[1])
+            length = np.linalg.norm(normal)
+            if length > 0 and normal[2] > 1e-9 * length:
+                polygons.append(corners[:, :2])
+                colours.append(np.minimum(ICE * (0.74 + 0.34 * max(0.0, normal @ light / length)), 1))
+        edges = colours if smooth else EDGE
+        axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=0.7,
+                                           joinstyle="round", zorder=10 + 2 * layer))
+        if not smooth:  # what the water hides still shows as a faint outline
+            outline = hull(np.concatenate(polygons))
+            axes.add_collection(PolyCollection([outline], facecolors="none", edgecolors="white", linewidths=0.5,
+                                               linestyles=(0, (4, 2)), alpha=0.7, zorder=9000))
+        behind = any(np.hypot(*(nearer[:2] - centre[:2])) < 0.03 * np.ptp(axes.get_xlim())
+                     for nearer, _, _ in placed[layer + 1:])
+        if len(placed) <= 40 and not behind:
+            axes.text(centre[0], centre[1], scene.names[tag], ha="center", va="center", fontsize=7.5, weight="bold",
+                      color="#7a1f12", zorder=9002, clip_on=True,
+                      path_effects=[effects.withStroke(linewidth=2, foreground="white")])
+    return [centre[2] for centre, _, _ in placed]
+
+
+def draw_water(axes, scene, view, position, value, norm, depths):
+    """Draws the particles in layers between the bodies, far to near; `depths` of the bodies, sorted."""
+    points = view(position)
+    order = visible(points, scene.l0)
+    points, colours = points[order], WATER(norm(value[order]))
+    if len(points):
+        depth = (points[:, 2].max() - points[:, 2]) / max(np.ptp(view.box(scene.lower, scene.upper), axis=0)[2], scene.l0)
+        colours[:, :3] *= (1 - 0.12 * np.clip(depth, 0, 1))[:, None]
+    box = axes.get_window_extent()
+    points_per_metre = box.width * 72 / axes.figure.dpi / np.ptp(axes.get_xlim())
+    size = (1.3 * scene.l0 * points_per_metre) ** 2
+    layer = np.searchsorted(depths, points[:, 2]) if depths else np.zeros(len(points), dtype=int)
+    for k in np.unique(layer):
+        chosen = layer == k
+        axes.scatter(points[chosen, 0], points[chosen, 1], s=size, c=colours[chosen], linewidths=0, zorder=9 + 2 * k)
+
+
+def draw_walls(axes, scene, view, time):
+    for wall in scene.shapes.get("walls", []):
+        lower, upper = view.box(*wall_box(wall, time))
+        if wall["kind"] == "tank":
+            open_sides = wall.get("open", [])
+            axis = int(np.argmax(np.abs(view.axes[1])))
+            top_open = ("xyz"[axis] + ("+" if view.axes[1][axis] > 0 else "-")) in open_sides
+            x, y = [lower[0], lower[0], upper[0], upper[0]], [upper[1], lower[1], lower[1], upper[1]]
+            if not top_open:
+                x, y = x + [lower[0]], y + [upper[1]]
+            axes.plot(x, y, color="#222222", linewidth=1.4, solid_joinstyle="miter", zorder=9500)
+        else:
+            axes.add_patch(Rectangle(lower[:2], *(upper - lower)[:2], facecolor=GATE + "80", edgecolor="#333333",
+                                     linewidth=0.7, zorder=9400))
+
+
+def frame_axes(axes, scene, view):
+    lower, upper = view.box(scene.lower, scene.upper)
+    margin = 0.015 * (upper[0] - lower[0])
+    axes.set_xlim(lower[0] - margin, upper[0] + margin)
+    axes.set_ylim(lower[1] - margin, upper[1] + margin)
+    axes.set_aspect("equal")
+    axes.tick_params(labelsize=8, direction="out", length=3)
+    for side in ("top", "right", "left", "bottom"):
+        axes.spines[side].set_visible(False)
+    axes.set_facecolor("#fbfbfa")
+
+
+def label(view, k):
+    axis = int(np.argmax(np.abs(view.axes[k])))
+    return f"{'xyz'[axis]} [m]"
+
+
+def picture(scene, index, quantity, norm, path):
+    """Draws one frame into a PNG; returns the part of the image with the front view, and the part with the colour bar."""
+    time = float(scene.frames.times[index])
+    position, value = scene.water(index, quantity)
+    panels = [scene.front] if scene.flat else [scene.front, scene.above]
+    extents = [np.subtract(*view.box(scene.lower, scene.upper)[::-1]) for view in panels]
+    width = WIDTH if extents[0][1] <= 0.9 * extents[0][0] else WIDTH * 0.9 * extents[0][0] / extents[0][1]
+    heights = [width * (extent[1] / extent[0] + 0.03) / 1.03 for extent in extents]
+    left, right, top, bottom, gap = 0.62, 1.0, 0.36, 0.5, 0.5
+    total = (left + width + right, top + sum(heights) + gap * (len(heights) - 1) + bottom)
+    figure = plt.figure(figsize=total, dpi=DPI)
+    at = total[1] - top
+    for k, (view, height) in enumerate(zip(panels, heights)):
+        at -= height
+        axes = figure.add_axes([left / total[0], at / total[1], width / total[0], height / total[1]])
+        frame_axes(axes, scene, view)
+        depths = draw_bodies(axes, scene, view, time)
+        draw_water(axes, scene, view, position, value, norm, depths)
+        draw_walls(axes, scene, view, time)
+        axes.set_ylabel(label(view, 1), fontsize=8.5)
+        if k == 0:
+            axes.set_title(f"t = {time:.2f} s", fontsize=11, loc="left", pad=5)
+            bar_at = [(left + width + 0.18) / total[0], (at + 0.1 * height) / total[1], 0.13 / total[0],
+                      0.8 * height / total[1]]
+            front_bottom = at - gap
+        if k == len(panels) - 1:
+            axes.set_xlabel(label(view, 0), fontsize=8.5)
+        if k == 1:
+            axes.set_title("from above", fontsize=8.5, loc="left", pad=3, color="#444444")
+        at -= gap
+    bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=WATER), cax=figure.add_axes(bar_at), extend="max")
+    bar.set_label("speed [m/s]" if quantity == "speed" else "pressure [kPa]", fontsize=8.5)
+    bar.ax.tick_params(labelsize=8)
+    figure.savefig(path, dpi=DPI)
+    image = np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy()
+    plt.close(figure)
+    rows = slice(0, int((total[1] - max(front_bottom + 0.25, 0)) * DPI))
+    split = int((left + width + 0.1) * DPI)
+    return image[rows, :split], image[rows, split:]
+
+
+def contact_sheet(tiles, bar, path):
+    """All front views in two columns, half size, with one colour bar."""
+    def halved(image):
+        rows, columns = image.shape[0] // 2 * 2, image.shape[1] // 2 * 2
+        return image[:rows, :columns].reshape(rows // 2, 2, columns // 2, 2, 3).mean(axis=(1, 3))
+
+    small = [halved(tile) for tile in tiles]
+    if len(small) % 2 and len(small) > 1:
+        small.append(np.full_like(small[0], 255))
+    rows = [np.concatenate(small[k:k + 2], axis=1) for k in range(0, len(small), 2)]
+    sheet = np.concatenate(rows, axis=0)
+    column = np.full((sheet.shape[0], bar.shape[1] // 2, 3), 255.0)
+    column[:bar.shape[0] // 2] = halved(bar)
+    plt.imsave(path, np.concatenate([sheet, column], axis=1).astype(np.uint8))
+
+
+def colour_range(scene, indices, quantity):
+    """One scale for all pictures: up to the 99.5th percentile of the liveliest, rounded up to two digits."""
+    high = 0.0
+    for index in indices:
+        _, value = scene.water(index, quantity)
+        if len(value):
+            high = max(high, float(np.percentile(value, 99.5)))
+    if high <= 0:
+        return Normalize(0, 1, clip=True)
+    digit = 10.0 ** (np.floor(np.log10(high)) - 1)
+    return Normalize(0, np.ceil(high / digit) * digit, clip=True)
+
+
+def chosen_frames(scene, times):
+    if times == "all":
+        return list(range(len(scene.frames.times)))
+    wanted = scene.shapes.get("pictures") or scene.frames.times if times is None else times
+    reached = [time for time in wanted if time <= scene.frames.times[-1] + 1e-9] or [scene.frames.times[-1]]
+    return sorted({scene.frames.nearest(time) for time in reached})
+
+
+def times_option(text):
+    return text if text == "all" else [float(word) for word in text.split(",")]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("run", metavar="RUN", help="output folder of a run")
+    parser.add_argument("--by", choices=["speed", "pressure"], default="speed", help="what colours the water")
+    parser.add_argument("--times", type=times_option, help="times [s], separated by commas, or `all` for every frame; "
+                        "default: the scene's `pictures`, or every frame")
+    parser.add_argument("--out", help="folder for the pictures (default: RUN/pictures)")
+    options = parser.parse_args()
+
+    scene = Scene(options.run)
+    indices = chosen_frames(scene, options.times)
+    norm = colour_range(scene, indices, options.by)
+    out = options.out or os.path.join(options.run, "pictures")
+    os.makedirs(out, exist_ok=True)
+    tiles, bar = [], None
+    for index in indices:
+        tile, bar = picture(scene, index, options.by, norm, os.path.join(out, f"{scene.frames.times[index]:.3f}s.png"))
+        tiles.append(tile)
+    contact_sheet(tiles, bar, os.path.join(out, "contact-sheet.png"))
+    print(f"{len(indices)} pictures and contact-sheet.png in {out}")
+
+
+if __name__ == "__main__":
+    program(main)
