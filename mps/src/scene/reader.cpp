@@ -53,16 +53,12 @@ class Reader {
     read_single(all.output, scene.output);
     read_single(all.run, scene);
     std::sort(scene.output.pictures.begin(), scene.output.pictures.end());
-    check_rules(scene,
-                {.given = [this](const std::string& path) {
-      return document_.has(path); },
-                 .overridden = [this](const std::string& path) {
-      return document_.override_of(path) != nullptr; },
-                 .sound = [this](const std::string& path) {
-      return problems_.none_at(path); },
-                 .report = [this](const std::vector<std::string>& paths,
-                                  const std::string& problem) {
-      document_.report_any(paths, problem); }};
+    const RuleContext context{
+        .given = [this](const std::string& path) { return document_.has(path); },
+        .overridden = [this](const std::string& path) { return document_.override_of(path) != nullptr; },
+        .sound = [this](const std::string& path) { return problems_.none_at(path); },
+        .report = [this](const std::vector<std::string>& paths,
+                         const std::string& problem) { document_.report_any(paths, problem); }};
     Rules(scene, context).check();
     problems_.throw_if_any();
     for (const auto& [name, parameter] : parameters_)
@@ -123,7 +119,7 @@ class Reader {
       const std::string& whole = text->get();
       if (whole.find('$') != std::string::npos || looks_like_quantity(whole)) {
         const std::string outer = std::exchange(origin_, parameter.origin);
-        parameter.number = evaluate(whole, lookup_);
+        parameter.number = evaluated(whole, any_quantity);
         parameter.origin = std::exchange(origin_, outer);
       } else {
         parameter.text = whole;
@@ -146,6 +142,19 @@ class Reader {
 
   // Values.
 
+  static constexpr const char* any_quantity = "a number or a quantity such as \"2 mm\"";
+
+  /// Evaluates a text; if it is none of what can be evaluated, the message says what is `allowed`.
+  Number evaluated(const std::string& text, const std::string& allowed) {
+    try {
+      return evaluate(text, lookup_);
+    } catch (const QuantityError& error) {
+      const std::string message = error.what();
+      throw ValueError(message + (message.ends_with('?') ? " " : "; ") + "allowed: " + allowed +
+                       ", \"$name\" of a parameter, or sums and multiples such as \"$name + 2 * 3 mm\"");
+    }
+  }
+
   void wrong_type(const toml::node& node, const std::string& path, const Key& key, const Target& target) {
     document_.report(path, "found " + what_it_is(node) + "; allowed: " + expectation(key, target, dimension_));
   }
@@ -157,8 +166,9 @@ class Reader {
         value = *number;
       } else if (const auto* text = node.as_string()) {
         origin_.clear();
-        value = to_si(evaluate(text->get(), lookup_), key.quantity, text->get());
+        const Number result = evaluated(text->get(), how_to_write(key.quantity));
         if (!origin_.empty()) document_.note_origin(path, origin_);
+        value = to_si(result, key.quantity, text->get());
       } else {
         return wrong_type(node, path, key, target);
       }
@@ -220,8 +230,9 @@ class Reader {
     const auto* array = node.as_array();
     if (array == nullptr) return wrong_type(node, path, key, &out);
     if (array->size() != static_cast<std::size_t>(dimension_))
-      return document_.report(
-          path, "has " + std::to_string(array->size()) + " components; allowed: " + expectation(key, &out, dimension_));
+      return document_.report(path, "has " + std::to_string(array->size()) + " components, the scene " +
+                                        std::to_string(dimension_) +
+                                        " dimensions; allowed: " + expectation(key, &out, dimension_));
     Vec3d result{};
     for (std::size_t axis = 0; axis < array->size(); ++axis)
       read_number(*array->get(axis), path, key, &out, result[axis]);
@@ -404,7 +415,7 @@ class Reader {
       return parameter.text ? *parameter.text : number_text(parameter.number.value);
     }
     const bool computed = whole.find('$') != std::string::npos || looks_like_quantity(whole);
-    return computed ? number_text(evaluate(whole, lookup_).value) : whole;
+    return computed ? number_text(evaluated(whole, any_quantity).value) : whole;
   }
 
   Problems problems_;

@@ -174,10 +174,10 @@ class Rules {
   /// A run that is cut short from the command line may have pictures after its end: they are just not taken.
   void check_output() {
     if (!context_.sound("run.end_time") || !context_.sound("output.pictures")) return;
-    for (const double time : scene_.output.pictures)
-      if (time > scene_.end_time && !context_.overridden("run.end_time"))
-        context_.report({"output.pictures"}, number_text(time) + " s is after the end of the run (run.end_time = " +
-                                                 number_text(scene_.end_time) + " s)");
+    const std::vector<double>& times = scene_.output.pictures;
+    if (times.empty() || times.back() <= scene_.end_time || context_.overridden("run.end_time")) return;
+    context_.report({"output.pictures"}, number_text(times.back()) + " s is after the end of the run (run.end_time = " +
+                                             number_text(scene_.end_time) + " s)");
   }
 
   const Scene& scene_;

@@ -322,7 +322,7 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
   const std::string choices = join(key.choices);
   const std::string quantity = key.quantity == Quantity::plain
                                    ? how_to_write(key.quantity)
-                                   : std::string(quantity_name(key.quantity)) + ", " + how_to_write(key.quantity);
+                                   : a_quantity(key.quantity) + ": " + how_to_write(key.quantity);
   struct Describe {
     const Key& key;
     const std::string& choices;

@@ -91,7 +91,7 @@ struct Schema {
 
 [[nodiscard]] const Schema& schema();
 
-/// What a key expects, in words: `length, a number in m or text such as "2 mm" (...)`.
+/// What a key expects, in words: `a length: a number in m or text such as "2 mm" (...)`.
 [[nodiscard]] std::string expectation(const Key& key, const Target& target, int dimension);
 
 }  // namespace embacle::mps

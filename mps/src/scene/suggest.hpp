@@ -96,11 +96,14 @@ class Problems {
     problems_.push_back({std::move(location), line, std::move(key), std::move(text)});
   }
 
-  /// Whether neither `key` nor anything below it has a problem.
+  /// Whether neither `key`, nor anything below it, nor a section that holds it has a problem.
   [[nodiscard]] bool none_at(std::string_view key) const {
+    const auto holds = [](std::string_view outer, std::string_view inner) {
+      return inner.starts_with(outer) &&
+             (inner.size() == outer.size() || inner[outer.size()] == '.' || inner[outer.size()] == '[');
+    };
     return std::none_of(problems_.begin(), problems_.end(), [&](const Problem& problem) {
-      const std::string_view at = problem.key;
-      return at.starts_with(key) && (at.size() == key.size() || at[key.size()] == '.' || at[key.size()] == '[');
+      return !problem.key.empty() && (holds(key, problem.key) || holds(problem.key, key));
     });
   }
 

@@ -103,6 +103,11 @@ const QuantityEntry& entry(Quantity quantity) {
   return *std::find_if(quantities.begin(), quantities.end(), [&](const auto& e) { return e.quantity == quantity; });
 }
 
+std::string with_article(std::string_view name) {
+  const bool vowel = std::string_view("aeiou").find(name.front()) != std::string_view::npos;
+  return (vowel ? "an " : "a ") + std::string(name);
+}
+
 /// "a length [m]", "a mass [kg]", "[kg m-1]".
 std::string describe(const Dimension& dimension) {
   std::string symbols;
@@ -121,10 +126,9 @@ std::string describe(const Dimension& dimension) {
     if (e.dimension == dimension) name = e.name;
   for (const auto& e : other_dimensions)
     if (e.dimension == dimension) name = e.name;
-  if (symbols.empty()) return std::string("a ") + std::string(name);
+  if (symbols.empty()) return with_article(name);
   if (name.empty()) return "a quantity in [" + symbols + "]";
-  const bool vowel = std::string_view("aeiou").find(name.front()) != std::string_view::npos;
-  return (vowel ? "an " : "a ") + std::string(name) + " [" + symbols + "]";
+  return with_article(name) + " [" + symbols + "]";
 }
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -138,7 +142,7 @@ const Unit& find_unit(std::string_view name) {
   if (found != units.end()) return *found;
   std::vector<std::string> names;
   for (const Unit& unit : units) names.emplace_back(unit.name);
-  throw ValueError("unknown unit '" + std::string(name) + "'" + did_you_mean(name, names));
+  throw QuantityError("unknown unit '" + std::string(name) + "'" + did_you_mean(name, names));
 }
 
 /// Takes "m2", "m^2" or "m²" from the front of `text`: name and exponent.
@@ -172,7 +176,7 @@ Unit parse_unit(std::string_view whole) {
   std::string_view rest = whole;
   for (int sign = 1;; sign = -1) {
     const auto [name, exponent] = take_power(rest);
-    if (name.empty() || exponent == 0) throw ValueError("unknown unit '" + std::string(whole) + "'");
+    if (name.empty() || exponent == 0) throw QuantityError("unknown unit '" + std::string(whole) + "'");
     const Unit& unit = find_unit(name);
     for (int k = 0; k < exponent; ++k) {
       result.up *= sign > 0 ? unit.up : unit.down;
@@ -183,7 +187,7 @@ Unit parse_unit(std::string_view whole) {
     result.dimension.time += sign * exponent * unit.dimension.time;
     result.dimension.angle += sign * exponent * unit.dimension.angle;
     if (rest.empty()) return result;
-    if (rest.front() != '/') throw ValueError("unknown unit '" + std::string(whole) + "'");
+    if (rest.front() != '/') throw QuantityError("unknown unit '" + std::string(whole) + "'");
     rest.remove_prefix(1);
   }
 }
@@ -255,7 +259,7 @@ class Expression {
     Number result;
     const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), result.value);
     if (error == std::errc::result_out_of_range)
-      throw ValueError("'" + std::string(text_) + "' is out of the range of numbers");
+      throw QuantityError("'" + std::string(text_) + "' is out of the range of numbers");
     if (error != std::errc{}) fail();
     at_ = static_cast<std::size_t>(end - text_.data());
     skip_space();
@@ -273,9 +277,7 @@ class Expression {
     std::string message = "cannot read '" + std::string(text_) + "'";
     if (!done()) message += " from '" + std::string(text_.substr(at_)) + "' on";
     if (text_.find(',') != std::string_view::npos) message += " (the decimal sign is a point)";
-    throw ValueError(message +
-                     "; allowed: \"2 mm\", \"$name\", and sums, differences and products with plain numbers such as "
-                     "\"$name + 2 * 3 mm\"");
+    throw QuantityError(message);
   }
 
   [[nodiscard]] bool done() const { return at_ >= text_.size(); }
@@ -292,6 +294,7 @@ class Expression {
 
 Dimension dimension_of(Quantity quantity) { return entry(quantity).dimension; }
 std::string_view quantity_name(Quantity quantity) { return entry(quantity).name; }
+std::string a_quantity(Quantity quantity) { return with_article(quantity_name(quantity)); }
 std::string_view si_unit(Quantity quantity) { return entry(quantity).si_unit; }
 std::string_view example_of(Quantity quantity) { return entry(quantity).example; }
 std::string_view usual_units(Quantity quantity) { return entry(quantity).usual_units; }
@@ -308,8 +311,8 @@ Number evaluate(std::string_view text, const ParameterLookup& lookup) { return E
 double to_si(const Number& number, Quantity quantity, std::string_view text) {
   const std::string allowed = "; allowed: " + how_to_write(quantity);
   if (number.dimension && *number.dimension != dimension_of(quantity))
-    throw ValueError("'" + std::string(text) + "' is " + describe(*number.dimension) + ", expected a " +
-                     std::string(quantity_name(quantity)) + allowed);
+    throw ValueError("'" + std::string(text) + "' is " + describe(*number.dimension) + ", expected " +
+                     a_quantity(quantity) + allowed);
   if (!number.dimension && text.find('$') == std::string_view::npos)
     throw ValueError("'" + std::string(text) + "' has no unit: write the number without quotes" + allowed);
   return number.value;

@@ -33,9 +33,17 @@ class ValueError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A text that is no quantity at all; the message leaves it to the catcher to say what is allowed.
+class QuantityError : public ValueError {
+ public:
+  using ValueError::ValueError;
+};
+
 [[nodiscard]] Dimension dimension_of(Quantity quantity);
 /// "length", "kinematic viscosity" ...
 [[nodiscard]] std::string_view quantity_name(Quantity quantity);
+/// "a length", "an acceleration" ...
+[[nodiscard]] std::string a_quantity(Quantity quantity);
 /// "m", "m2/s" ...; empty for plain numbers.
 [[nodiscard]] std::string_view si_unit(Quantity quantity);
 /// "2 mm", "1e-6 m2/s" ...
@@ -49,7 +57,7 @@ class ValueError : public std::runtime_error {
 using ParameterLookup = std::function<Number(const std::string& name)>;
 
 /// Evaluates a quantity ("2 mm"), a parameter ("$depth") or a sum, difference or product with plain numbers of these
-/// ("$depth + 2 * 3 mm"). Throws ValueError.
+/// ("$depth + 2 * 3 mm"). Throws QuantityError if it is none of these, ValueError if they do not fit together.
 [[nodiscard]] Number evaluate(std::string_view text, const ParameterLookup& lookup);
 
 /// The SI value of `number`, which must measure `quantity` or be plain. `text` is what the user wrote, for the message
