@@ -1,0 +1,32 @@
+// Multisphere bodies made exactly from shapes, and their state read back.
+#pragma once
+
+#include <vector>
+
+#include "embacle/coupling/link.hpp"
+#include "floe_list.hpp"
+#include "stock.hpp"
+
+namespace embacle::liggghts {
+
+/// The one fix multisphere of the script; throws InputError if there is none or more than one.
+LAMMPS_NS::FixMultisphere* find_multisphere(LAMMPS_NS::LAMMPS* lammps, const std::string& where);
+
+/// Number of the first multisphere body type that belongs to floe shapes: body type = first_floe_type + shape index.
+inline constexpr int first_floe_type = 1000;
+
+/// Creates the bodies of `list` with exactly the position, orientation, velocity, mass and inertia of the description.
+/// Collective. Body tags continue the existing ones in the order of the list, on any number of ranks. The spheres enter
+/// the group `group_bit`; their index in the covering is written to `sphere_index`. The list must have been checked:
+/// bodies inside the simulation box.
+void create_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere, const FloeList& list,
+                   int shape_offset, int group_bit, LAMMPS_NS::FixPropertyAtom* sphere_index);
+
+/// The bodies this rank owns, with their present state; contact force and torque are zero. In a periodic direction the
+/// position is the unwrapped one. A body that no floe shape describes has shape -1.
+std::vector<coupling::SolidBody> owned_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere);
+
+/// The states of all bodies on all ranks, by ascending tag. Collective; meant for set-up, not for time steps.
+std::vector<coupling::SolidBody> gather_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere);
+
+}  // namespace embacle::liggghts

@@ -1,0 +1,133 @@
+#include "coupled_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "fix_floe_create.hpp"
+#include "stock_access.hpp"
+
+using namespace LAMMPS_NS;
+
+namespace embacle::liggghts {
+
+using coupling::Epoch;
+using coupling::SolidLink;
+
+namespace {
+
+/// One open-ended LIGGGHTS run: `run` with a number of steps that is only known as the windows come. Thermo output,
+/// dumps and averages work as in one long run.
+class OpenEndedRun {
+ public:
+  explicit OpenEndedRun(LAMMPS* lammps) : lammps_(lammps) {
+    Update* update = lammps->update;
+    update->whichflag = 1;
+    update->nsteps = std::numeric_limits<int>::max();
+    update->firststep = update->beginstep = update->ntimestep;
+    update->laststep = update->endstep = update->ntimestep + update->nsteps;
+    lammps->init();
+    update->integrate->setup();
+    lammps->timer->init();
+    lammps->timer->barrier_start(TIME_LOOP);
+  }
+
+  void advance(int steps) { lammps_->update->integrate->run(steps); }
+
+  void finish() {
+    Update* update = lammps_->update;
+    update->nsteps = static_cast<int>(update->ntimestep - update->firststep);
+    update->laststep = update->endstep = update->ntimestep;
+    lammps_->timer->barrier_stop(TIME_LOOP);
+    update->integrate->cleanup();
+    Finish(lammps_).end(1);
+    update->whichflag = 0;
+    update->firststep = update->laststep = 0;
+    update->beginstep = update->endstep = 0;
+  }
+
+ private:
+  LAMMPS* lammps_;
+};
+
+/// This rank's part of space: its subdomain, to infinity where it borders the outside.
+coupling::Box own_region(const Domain* domain) {
+  coupling::Box box;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    box.lower[k] = domain->sublo[k] <= domain->boxlo[k] ? -infinity : domain->sublo[k];
+    box.upper[k] = domain->subhi[k] >= domain->boxhi[k] ? infinity : domain->subhi[k];
+  }
+  return box;
+}
+
+/// Two-dimensional water moves bodies in the plane z = const only.
+void keep_in_plane(FixMultisphere* multisphere) {
+  bool in_plane[3] = {true, true, false}, about_z[3] = {false, false, true};
+  Multisphere& data = multisphere->data();
+  for (int i = 0; i < data.n_body(); ++i) {
+    data.set_fflag(i, in_plane);
+    data.set_tflag(i, about_z);
+  }
+}
+
+void count_window(SolidReport& report, const SubSteps& chosen, double window) {
+  report.fewest_sub_steps = report.windows == 0 ? chosen.count : std::min<std::int64_t>(report.fewest_sub_steps, chosen.count);
+  report.most_sub_steps = std::max<std::int64_t>(report.most_sub_steps, chosen.count);
+  report.sub_steps += chosen.count;
+  report.simulated_seconds += window;
+  report.resolved_windows += chosen.count > 1 ? 1 : 0;
+  report.skin_limited_windows += chosen.skin_limited ? 1 : 0;
+  ++report.windows;
+}
+
+}  // namespace
+
+void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants& participants, MPI_Comm own,
+                 const coupling::YieldHook& yield, SolidReport& report) {
+  fix->init();  // its demands on the script, before the other side is involved
+  SolidLink link(participants, own, fix->terms(), yield);
+  fix->prepare(link.fluid());
+  if (link.fluid().dimension == 2) keep_in_plane(fix->multisphere());
+
+  OpenEndedRun run(lammps);
+  ContactOutlook outlook(lammps, fix->multisphere(), fix->rule());
+  const bool parallel = link.fluid().scheme == coupling::Scheme::parallel;
+  bool first = true;
+  while (true) {
+    const Epoch epoch = link.plan(own_region(lammps->domain), fix->bodies());
+    if (epoch.windows == 0) break;
+    if (parallel && first) {  // the load at the start; later windows use the loads of the window before
+      link.receive_loads();
+      fix->take_loads(link);
+    }
+    first = false;
+    for (int w = 0; w < epoch.windows; ++w) {
+      if (!parallel) {
+        link.receive_loads();
+        fix->take_loads(link);
+      }
+      const double start = MPI_Wtime();
+      fix->begin_window();
+      const SubSteps chosen = outlook.choose(epoch.window);
+      set_time_step(lammps, epoch.window / chosen.count);
+      if (outlook.rebuild_advisable()) fix->request_rebuild(lammps->update->ntimestep + chosen.count);
+      run.advance(chosen.count);
+      outlook.window_done(epoch.window);
+      fix->end_window(epoch.window);
+      count_window(report, chosen, epoch.window);
+      report.step_seconds += MPI_Wtime() - start;
+      link.send_states(fix->bodies());
+      if (parallel) {
+        link.receive_loads();
+        fix->take_loads(link);
+      }
+    }
+  }
+  run.finish();
+  report.counters = link.counters();
+  report.waiting_seconds = report.counters.waiting_seconds;
+}
+
+}  // namespace embacle::liggghts

@@ -1,0 +1,33 @@
+// fix floe/create: rigid bodies placed exactly, as multispheres with the exact mass and inertia of their shape.
+#pragma once
+
+#include <vector>
+
+#include "floe_list.hpp"
+#include "stock.hpp"
+
+namespace embacle::liggghts {
+
+/// Creates its bodies when the script gives it; afterwards it only remembers their shapes. Manual: docs/liggghts.
+class FixFloeCreate : public LAMMPS_NS::Fix {
+ public:
+  FixFloeCreate(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv);
+
+  int setmask() override { return 0; }
+  void post_create() override;
+  void pre_delete(bool unfix) override;
+
+  [[nodiscard]] const FloeList& list() const { return list_; }
+  /// Index of each covering sphere in its shape's covering, per atom.
+  [[nodiscard]] LAMMPS_NS::FixPropertyAtom* sphere_index() const { return sphere_index_; }
+
+ private:
+  FloeList list_;
+  std::string where_;
+  LAMMPS_NS::FixPropertyAtom* sphere_index_ = nullptr;
+};
+
+/// All shapes of the script's fixes floe/create, in their order: body type first_floe_type + i is element i.
+std::vector<const FloeShape*> floe_shapes(LAMMPS_NS::LAMMPS* lammps);
+
+}  // namespace embacle::liggghts

@@ -1,0 +1,23 @@
+#include "styles.hpp"
+
+#include "fix_couple_mps.hpp"
+#include "fix_floe_create.hpp"
+#include "stock_access.hpp"
+
+namespace embacle::liggghts {
+
+namespace {
+
+template <typename Style>
+LAMMPS_NS::Fix* make(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv) {
+  return new Style(lammps, argc, argv);
+}
+
+}  // namespace
+
+void register_styles(LAMMPS_NS::LAMMPS* lammps) {
+  register_fix_style(lammps, "floe/create", &make<FixFloeCreate>);
+  register_fix_style(lammps, "couple/mps", &make<FixCoupleMps>);
+}
+
+}  // namespace embacle::liggghts

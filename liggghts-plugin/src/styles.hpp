@@ -1,0 +1,13 @@
+// The styles this plugin adds to LIGGGHTS.
+#pragma once
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace embacle::liggghts {
+
+/// Adds fix floe/create and fix couple/mps to `lammps`. Call before any script line is read.
+void register_styles(LAMMPS_NS::LAMMPS* lammps);
+
+}  // namespace embacle::liggghts
