@@ -1,0 +1,206 @@
+#include "core/application.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+#include "core/filling.hpp"
+#include "core/recorder.hpp"
+#include "core/simulation.hpp"
+#include "scene/reader.hpp"
+
+namespace embacle::mps {
+
+namespace {
+
+/// Windows between two looks at the balance and at the plan.
+constexpr int windows_per_epoch = 50;
+/// Measured on a 2.4 GHz EPYC core: listed directed pairs per second, both sweeps; for the estimate of --check only.
+constexpr double pairs_per_second = 2.0e8;
+
+volatile std::sig_atomic_t asked_to_stop = 0;
+void ask_to_stop(int) { asked_to_stop = 1; }
+
+bool any_rank_asked_to_stop(MPI_Comm comm) {
+  int asked = asked_to_stop != 0 ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &asked, 1, MPI_INT, MPI_MAX, comm);
+  return asked != 0;
+}
+
+coupling::FluidTerms terms_of(const Scene& scene, const Constants& c) {
+  coupling::FluidTerms terms;
+  terms.gravity = {c.gravity[0], c.gravity[1], c.gravity[2]};
+  terms.dimension = c.dimension;
+  terms.scheme = scene.coupling.scheme == Scheme::serial ? coupling::Scheme::serial : coupling::Scheme::parallel;
+  terms.particle_distance = c.particle_distance;
+  terms.point_depth = c.layers * c.particle_distance;
+  terms.reach = c.support + c.skin;
+  terms.reference_speed = c.reference_speed;
+  terms.fluid_density = c.density;
+  return terms;
+}
+
+}  // namespace
+
+Options parse_options(int argc, char** argv, const std::string& program, const std::string& description) {
+  Options options;
+  CLI::App app{description, program};
+  std::string end_time;
+  bool check = false, explain = false, launch = false, reference = false;
+  app.set_version_flag("--version", program + " " EMBACLE_VERSION);
+  app.add_option("scene", options.scene, "Scene: a .toml file, or a folder that holds scene.toml");
+  app.add_option("--out", options.out, "Output folder");
+  app.add_option("--set", options.overrides, "Override: key.path=value (repeatable)")->allow_extra_args(false);
+  app.add_option("--end-time", end_time, "Simulated time at which to stop (overrides run.end_time)");
+  app.add_flag("--check", check, "Read, validate, build the particles, print counts, memory, time step; run nothing");
+  app.add_flag("--explain", explain, "Which physics and modules the scene uses and leaves out");
+  app.add_flag("--launch", launch, "Print what a launcher needs: the LIGGGHTS script and its variables");
+  app.add_flag("--reference", reference, "Print the reference page of all scene keys (Markdown)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {
+      app.exit(error);
+      options.task = Options::Task::leave;
+      return options;
+    }
+    throw coupling::InputError(fmt::format("{}; see '{} --help'", error.what(), program));
+  }
+  if (!end_time.empty()) options.overrides.push_back("run.end_time=" + end_time);
+  options.task = check     ? Options::Task::check
+                 : explain ? Options::Task::explain
+                 : launch  ? Options::Task::launch
+                 : reference ? Options::Task::reference
+                             : Options::Task::run;
+  if (options.scene.empty() && !reference) {
+    throw coupling::InputError(fmt::format("which scene? give a .toml file or a folder that holds scene.toml; see '{} --help'", program));
+  }
+  return options;
+}
+
+std::string check_report(const Scene& scene, int ranks) {
+  const Constants c = constants_of(scene);
+  const Walls walls(scene, scene.dimension, c.layers);
+  const InitialParticles initial = fill(scene, c, walls, 0, 1);
+  const double steps = std::ceil(scene.end_time / c.step);
+  const double reach = c.support + c.skin;
+  const double listed = scene.dimension == 3 ? 4.19 * std::pow(reach / c.particle_distance, 3)
+                                             : 3.14 * std::pow(reach / c.particle_distance, 2);
+  const double n = static_cast<double>(initial.water.size());
+  const double seconds = steps * n * 2 * listed / pairs_per_second / ranks;
+  const double bytes = n * (listed * 4 + 200) + static_cast<double>(initial.walls.size()) * 120;
+  std::string report = fmt::format(
+      "{}: ok\n"
+      "  water particles   {}\n  wall points       {}\n  solids            {}\n"
+      "  particle distance {:g} m, support {:g} m ({} neighbours)\n"
+      "  sound speed       {:.4g} m/s (reference speed {:.4g} m/s)\n"
+      "  time step         {:.4g} s, {:.0f} steps to {:g} s\n"
+      "  memory            {:.0f} MB\n  estimated run     {:.0f} s on {} rank{}\n",
+      scene.file.string(), initial.water.size(), initial.walls.size(),
+      scene.coupled() ? "from " + scene.coupling.script.filename().string() : std::string("none"), c.particle_distance,
+      c.support, c.lattice.neighbours, c.sound_speed, c.reference_speed, c.step, steps, scene.end_time, bytes * 1e-6,
+      seconds, ranks, ranks == 1 ? "" : "s");
+  for (const std::string& warning : initial.warnings) report += "  warning: " + warning + "\n";
+  return report;
+}
+
+std::string explain_report(const Scene& scene) {
+  const Constants c = constants_of(scene);
+  std::string used, left;
+  const auto module = [&](bool on, const std::string& name, const std::string& cost) {
+    (on ? used : left) += fmt::format("  {:<34} {}\n", name, cost);
+  };
+  const Numerics& n = scene.numerics;
+  const bool solids = !scene.walls.empty() || scene.coupled();
+  bool moving = false, thin = false;
+  const Walls walls(scene, scene.dimension, c.layers);
+  for (int w = 0; w < walls.count(); ++w) thin = thin || walls.thin_index(w) >= 0;
+  moving = walls.any_moves();
+  module(true, fmt::format("weakly compressible MPS, {}-D", c.dimension),
+         fmt::format("2 sweeps a step over {} neighbours ({} weight)", c.lattice.neighbours,
+                     c.kernel == KernelKind::wendland ? "Wendland" : "rational"));
+  module(n.density_diffusion > 0, "density diffusion", "in the density sweep");
+  module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
+  module(n.collision_distance > 0, "particle collision", "in the force sweep");
+  module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep, 10 % of it");
+  module(solids, "walls: extrapolated pressure", "a sweep over wet wall points");
+  module(moving, "moving walls", "a pass over wall points");
+  module(thin, "thin walls seen from one side", "checks near them when lists are built");
+  module(scene.coupled(), "bodies (LIGGGHTS)",
+         fmt::format("points, loads, a message per partner rank and window of {} step{}", scene.coupling.steps_per_window,
+                     scene.coupling.steps_per_window == 1 ? "" : "s"));
+  module(scene.coupled() && scene.coupling.predictor && scene.coupling.steps_per_window > 1, "predictor of the bodies",
+         "a message between ranks that share a body, each step");
+  module(scene.output.fields, "fields (HDF5)", "at output times");
+  module(!scene.gauges.empty(), "gauges", "a reduction each, at their times");
+  module(scene.output.audit, "conservation audit", "a reduction a window");
+  std::string report = "uses\n" + used;
+  if (!left.empty()) report += "leaves out (no memory, no time, no messages)\n" + left;
+  if (!scene.coupled()) report += "coupling messages: none; body arrays: none\n";
+  return report;
+}
+
+std::string launch_report(const Scene& scene) {
+  if (!scene.coupled()) return "script=\n";
+  std::string report = "script=" + scene.coupling.script.string() + "\n";
+  for (const auto& [name, value] : scene.coupling.variables) report += "var=" + name + " " + value + "\n";
+  return report;
+}
+
+Json run_water(const Scene& scene, const std::filesystem::path& folder, const coupling::Participants* participants,
+               MPI_Comm own, coupling::YieldHook yield) {
+  std::optional<coupling::FluidLink> link;
+  if (participants != nullptr) link.emplace(*participants, own, terms_of(scene, constants_of(scene)), std::move(yield));
+  const double began = MPI_Wtime();
+  Simulation simulation(scene, own, link ? &*link : nullptr);
+  Recorder recorder(scene, simulation, folder);
+  int rank = 0;
+  MPI_Comm_rank(own, &rank);
+  if (rank == 0) {
+    for (const std::string& warning : simulation.warnings()) fmt::print("warning: {}\n", warning);
+  }
+  for (const int signal : {SIGTERM, SIGUSR1}) std::signal(signal, ask_to_stop);
+
+  bool first = true;
+  bool stopped = false;
+  for (;;) {
+    const double left = (scene.end_time - simulation.time()) / simulation.window_length();
+    stopped = any_rank_asked_to_stop(own);
+    const int wanted = stopped ? 0 : static_cast<int>(std::clamp(std::ceil(left - 1e-6), 0.0, double{windows_per_epoch}));
+    const int windows = simulation.begin_epoch(wanted);
+    if (first && windows > 0) recorder.record(false);
+    first = false;
+    if (windows == 0) break;
+    for (int w = 0; w < windows; ++w) {
+      simulation.window();
+      recorder.record(wanted < windows_per_epoch && windows == wanted && w + 1 == windows);
+    }
+  }
+  Json summary = recorder.summary(link ? &*link : nullptr, MPI_Wtime() - began);
+  if (stopped) summary.set("stopped_by_signal", true);
+  return summary;
+}
+
+void end_run(const std::string& program, const std::exception& error) {
+  const auto* known = dynamic_cast<const coupling::RunError*>(&error);
+  const int status = static_cast<int>(known != nullptr ? known->status() : coupling::ExitStatus::internal);
+  std::fflush(stdout);
+  int initialised = 0;
+  int rank = 0;
+  MPI_Initialized(&initialised);
+  if (initialised != 0) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  // An error of the input is found by every rank at once: the first speaks, and its abort ends the others.
+  if (rank != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  fmt::print(stderr, "{}: {}{}\n", program, known != nullptr ? "" : "internal error: ", error.what());
+  std::fflush(stderr);
+  if (initialised != 0) MPI_Abort(MPI_COMM_WORLD, status);
+  std::_Exit(status);
+}
+
+}  // namespace embacle::mps

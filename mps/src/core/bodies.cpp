@@ -1,0 +1,202 @@
+#include "core/bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace embacle::mps {
+
+using coupling::FluidBody;
+using coupling::Load;
+using coupling::Vec3;
+
+namespace {
+
+/// Accelerations beyond this many g come from impacts shorter than the water resolves; the extrapolation leaves them out.
+constexpr double largest_acceleration_in_g = 2.0;
+
+Vec3 limited(const Vec3& vector, double largest) {
+  const double norm = vector.norm();
+  return norm > largest ? Vec3(vector * (largest / norm)) : vector;
+}
+
+/// Angular acceleration [rad/s^2], global frame, from Euler's equation with principal moments.
+Vec3 angular_acceleration(const coupling::State& state, const Vec3& moments, const Vec3& torque) {
+  const Vec3 omega = state.orientation.conjugate() * state.angular_velocity;
+  const Vec3 torque_body = state.orientation.conjugate() * torque;
+  const Vec3 gyroscopic = omega.cross(moments.cwiseProduct(omega));
+  return state.orientation * (torque_body - gyroscopic).cwiseQuotient(moments);
+}
+
+}  // namespace
+
+Bodies::Bodies(const Constants& constants, const std::vector<coupling::Shape>& shapes, int first_owner)
+    : constants_(constants), first_owner_(first_owner), gravity_(constants.gravity[0], constants.gravity[1], constants.gravity[2]) {
+  for (const coupling::Shape& shape : shapes) {
+    shapes_.push_back({shape, shape.mass_properties(),
+                       shape.points(constants.particle_distance, constants.layers * constants.particle_distance,
+                                    constants.dimension),
+                       shape.bounding_radius()});
+  }
+}
+
+void Bodies::assign(const std::vector<FluidBody>& bodies) {
+  bodies_ = bodies;
+  acceleration_.assign(bodies_.size(), Vec3::Zero());
+  angular_acceleration_.assign(bodies_.size(), Vec3::Zero());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const FluidBody& body = bodies_[b];
+    if (body.applied.force.isZero()) continue;  // nothing known yet, or out of the water
+    const auto& mass = shape_of(body).mass;
+    const Vec3 force = body.applied.force + body.state.contact_force;
+    const Vec3 torque = body.applied.torque + body.state.contact_torque;
+    const double largest = largest_acceleration_in_g * gravity_.norm();
+    acceleration_[b] = limited(force / mass.mass + gravity_, largest);
+    angular_acceleration_[b] =
+        limited(angular_acceleration(body.state, mass.inertia, torque), largest / shape_of(body).radius);
+  }
+}
+
+void Bodies::collect_points(const coupling::Box& box, std::vector<Traveller>& points) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const FluidBody& body = bodies_[b];
+    const ShapeData& shape = shape_of(body);
+    if (box.distance(body.state.position) > shape.radius) continue;
+    for (std::size_t k = 0; k < shape.points.size(); ++k) {
+      const Vec3 arm = body.state.orientation * shape.points[k].position;
+      const Vec3 place = body.state.position + arm;
+      if (!box.contains(place)) continue;
+      const Vec3 velocity = body.state.velocity + body.state.angular_velocity.cross(arm);
+      Traveller traveller;
+      for (int c = 0; c < 3; ++c) {
+        traveller.record.x[c] = place[c];
+        traveller.record.v[c] = velocity[c];
+      }
+      traveller.identity = {body.tag, first_owner_ + static_cast<std::int32_t>(b), static_cast<std::int32_t>(k)};
+      points.push_back(traveller);
+    }
+  }
+}
+
+void Bodies::resolve_owners(Particles& particles) const {
+  for (std::size_t j = particles.ghost_solid_begin(); j < particles.all(); ++j) {
+    Identity& identity = particles.identity[j];
+    if (identity.owner < first_owner_) continue;
+    const auto body = std::find_if(bodies_.begin(), bodies_.end(),
+                                   [&](const FluidBody& candidate) { return candidate.tag == identity.id; });
+    if (body == bodies_.end()) throw std::logic_error("a neighbouring rank has points of a body unknown here");
+    identity.owner = first_owner_ + static_cast<std::int32_t>(body - bodies_.begin());
+  }
+}
+
+void Bodies::drift(double step) {
+  for (FluidBody& body : bodies_) {
+    body.state.position += step * body.state.velocity;
+    const double angle = body.state.angular_velocity.norm() * step;
+    if (angle > 0) {
+      const Eigen::AngleAxisd rotation(angle, body.state.angular_velocity.normalized());
+      body.state.orientation = (coupling::Quaternion(rotation) * body.state.orientation).normalized();
+    }
+  }
+}
+
+void Bodies::place_points(Particles& particles) const {
+  for (std::size_t j = particles.water; j < particles.own(); ++j) {
+    const Identity& identity = particles.identity[j];
+    if (identity.owner < first_owner_) continue;
+    const FluidBody& body = bodies_[body_of(identity)];
+    const Vec3 arm = body.state.orientation * shape_of(body).points[identity.point].position;
+    const Vec3 velocity = body.state.velocity + body.state.angular_velocity.cross(arm);
+    for (int c = 0; c < 3; ++c) {
+      particles.record[j].x[c] = body.state.position[c] + arm[c];
+      particles.record[j].v[c] = velocity[c];
+    }
+  }
+}
+
+void Bodies::point_accelerations(const Particles& particles, const Neighbours& neighbours,
+                                 std::vector<Triple>& acceleration) const {
+  const auto& wet = neighbours.wet_points();
+  acceleration.assign(wet.size(), Triple{});
+  for (std::size_t k = 0; k < wet.size(); ++k) {
+    const Identity& identity = particles.identity[wet[k]];
+    if (identity.owner < first_owner_) continue;
+    const std::size_t b = body_of(identity);
+    const coupling::State& state = bodies_[b].state;
+    const double* x = particles.record[wet[k]].x;
+    const Vec3 arm = Vec3(x[0], x[1], x[2]) - state.position;
+    const Vec3 value = acceleration_[b] + angular_acceleration_[b].cross(arm) +
+                       state.angular_velocity.cross(state.angular_velocity.cross(arm));
+    acceleration[k] = {value[0], value[1], value[2]};
+  }
+}
+
+std::vector<Load> Bodies::partial_loads(const Particles& particles, const std::vector<Triple>& reaction) const {
+  std::vector<Load> loads(bodies_.size());
+  const auto add = [&](std::size_t first, std::size_t last) {
+    for (std::size_t j = first; j < last; ++j) {
+      const Identity& identity = particles.identity[j];
+      if (identity.owner < first_owner_) continue;
+      const Triple& f = reaction[reaction_slot(particles, j)];
+      const Vec3 force(f[0], f[1], f[2]);
+      const double* x = particles.record[j].x;
+      const std::size_t b = body_of(identity);
+      loads[b].force += force;
+      loads[b].torque += (Vec3(x[0], x[1], x[2]) - bodies_[b].state.position).cross(force);
+    }
+  };
+  add(particles.water, particles.own());
+  add(particles.ghost_solid_begin(), particles.all());
+  return loads;
+}
+
+void Bodies::predict(std::span<const Load> total, double step) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    coupling::State& state = bodies_[b].state;
+    const auto& mass = shape_of(bodies_[b]).mass;
+    state.velocity += step * ((total[b].force + state.contact_force) / mass.mass + gravity_);
+    state.angular_velocity +=
+        step * angular_acceleration(state, mass.inertia, total[b].torque + state.contact_torque);
+  }
+}
+
+double Bodies::penetration(const double* x) const {
+  double deepest = -1e300;
+  const Vec3 place(x[0], x[1], x[2]);
+  for (const FluidBody& body : bodies_) {
+    const Vec3 arm = place - body.state.position;
+    if (arm.squaredNorm() > std::pow(shape_of(body).radius + constants_.support, 2)) continue;
+    deepest = std::max(deepest, -shape_of(body).shape.signed_distance(body.state.orientation.conjugate() * arm));
+  }
+  return deepest;
+}
+
+bool Bodies::covers(const double* x, double depth) const { return penetration(x) > depth; }
+
+std::vector<coupling::BodyPressures> Bodies::surface_pressures(const Particles& particles) const {
+  std::vector<coupling::BodyPressures> result(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) result[b].tag = bodies_[b].tag;
+  for (std::size_t j = particles.water; j < particles.own(); ++j) {
+    const Identity& identity = particles.identity[j];
+    if (identity.owner < first_owner_) continue;
+    const std::size_t b = body_of(identity);
+    if (!shape_of(bodies_[b]).points[identity.point].on_surface()) continue;
+    result[b].point.push_back(identity.point);
+    result[b].pressure.push_back(particles.record[j].p);
+  }
+  return result;
+}
+
+std::vector<coupling::Shape> Bodies::shapes() const {
+  std::vector<coupling::Shape> result;
+  for (const ShapeData& data : shapes_) result.push_back(data.shape);
+  return result;
+}
+
+std::size_t Bodies::bytes() const {
+  std::size_t total = bodies_.capacity() * sizeof(FluidBody);
+  for (const ShapeData& shape : shapes_) total += shape.points.capacity() * sizeof(coupling::ShapePoint);
+  return total;
+}
+
+}  // namespace embacle::mps

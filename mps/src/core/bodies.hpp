@@ -1,0 +1,74 @@
+// The bodies as the water sees them: boundary points that move with a rigid state, and the loads on them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/constants.hpp"
+#include "core/neighbours.hpp"
+#include "core/operators.hpp"
+#include "embacle/coupling/link.hpp"
+
+namespace embacle::mps {
+
+/// The bodies within reach of this rank, during an epoch of the coupling.
+class Bodies {
+ public:
+  Bodies(const Constants& constants, const std::vector<coupling::Shape>& shapes, int first_owner);
+
+  /// Takes over the bodies of a new plan, or their states after a window.
+  void assign(const std::vector<coupling::FluidBody>& bodies);
+  [[nodiscard]] std::size_t count() const { return bodies_.size(); }
+
+  /// Own body points (with place and velocity) inside `box`.
+  void collect_points(const coupling::Box& box, std::vector<Traveller>& points) const;
+  /// Gives body points (owner `first_owner` or more) the owner that stands for their body on this rank.
+  void resolve_owners(Particles& particles) const;
+
+  /// Moves the bodies over a step with their velocities, and the own points with them.
+  void drift(double step);
+  void place_points(Particles& particles) const;
+  /// Accelerations of the wet points for the pressure extrapolation.
+  void point_accelerations(const Particles& particles, const Neighbours& neighbours,
+                           std::vector<Triple>& acceleration) const;
+
+  /// This rank's part of the load on each body from the reactions on its points.
+  [[nodiscard]] std::vector<coupling::Load> partial_loads(const Particles& particles,
+                                                          const std::vector<Triple>& reaction) const;
+  /// Predictor: advances the velocities by a step under the whole load, gravity and the last contact force
+  /// (notes on coupling, scheme P).
+  void predict(std::span<const coupling::Load> total, double step);
+
+  /// Whether a place lies inside a body by more than `depth` [m] (negative depth: near its surface from outside).
+  [[nodiscard]] bool covers(const double* x, double depth) const;
+  /// Deepest position [m] of a place below the surface of any body; negative if outside all.
+  [[nodiscard]] double penetration(const double* x) const;
+  /// Surface pressures of the own points of each body (for those who subscribe).
+  [[nodiscard]] std::vector<coupling::BodyPressures> surface_pressures(const Particles& particles) const;
+
+  [[nodiscard]] std::int64_t tag(std::size_t body) const { return bodies_[body].tag; }
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] const std::vector<coupling::FluidBody>& all() const { return bodies_; }
+  [[nodiscard]] std::vector<coupling::Shape> shapes() const;
+
+ private:
+  struct ShapeData {
+    coupling::Shape shape;
+    coupling::MassProperties mass;
+    std::vector<coupling::ShapePoint> points;
+    double radius;
+  };
+  [[nodiscard]] const ShapeData& shape_of(const coupling::FluidBody& body) const { return shapes_[body.shape]; }
+  [[nodiscard]] std::size_t body_of(const Identity& identity) const {
+    return static_cast<std::size_t>(identity.owner - first_owner_);
+  }
+
+  const Constants& constants_;
+  int first_owner_;
+  coupling::Vec3 gravity_;
+  std::vector<ShapeData> shapes_;
+  std::vector<coupling::FluidBody> bodies_;
+  std::vector<coupling::Vec3> acceleration_, angular_acceleration_;  ///< of each body, for the extrapolation
+};
+
+}  // namespace embacle::mps

@@ -1,0 +1,76 @@
+#include "core/constants.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "embacle/coupling/types.hpp"
+
+namespace embacle::mps {
+
+double reference_speed(const Scene& scene) {
+  if (scene.numerics.reference_speed > 0) return scene.numerics.reference_speed;
+  double gravity = 0;
+  for (const double g : scene.fluid.gravity) gravity += g * g;
+  gravity = std::sqrt(gravity);
+  double lowest = 1e300, highest = -1e300, fastest = 0;
+  for (const Water& water : scene.water) {
+    double low = 0, high = 0, speed = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double up = gravity > 0 ? -scene.fluid.gravity[c] / gravity : 0;
+      low += std::min(up * water.region.lower[c], up * water.region.upper[c]);
+      high += std::max(up * water.region.lower[c], up * water.region.upper[c]);
+      speed += water.velocity[c] * water.velocity[c];
+    }
+    lowest = std::min(lowest, low);
+    highest = std::max(highest, high);
+    fastest = std::max(fastest, std::sqrt(speed));
+  }
+  for (const Wall& wall : scene.walls) {
+    if (!wall.motion) continue;
+    double speed = 0;
+    for (const double v : wall.motion->velocity) speed += v * v;
+    fastest = std::max(fastest, std::sqrt(speed));
+    for (std::size_t k = 1; k < wall.motion->table.size(); ++k) {
+      const auto& [t0, d0] = wall.motion->table[k - 1];
+      const auto& [t1, d1] = wall.motion->table[k];
+      double square = 0;
+      for (int c = 0; c < 3; ++c) square += (d1[c] - d0[c]) * (d1[c] - d0[c]);
+      fastest = std::max(fastest, std::sqrt(square) / (t1 - t0));
+    }
+  }
+  const double head = highest > lowest ? std::sqrt(2 * gravity * (highest - lowest)) : 0;
+  const double result = std::max(head, fastest);
+  if (result > 0) return result;
+  throw coupling::InputError(scene.file.string() +
+                             ": numerics.reference_speed: cannot be derived (no head of water, no motion); state it");
+}
+
+Constants constants_of(const Scene& scene) {
+  Constants c;
+  c.dimension = scene.dimension;
+  c.particle_distance = scene.numerics.particle_distance;
+  c.kernel = scene.numerics.kernel;
+  c.support = c.particle_distance *
+              (scene.numerics.support > 0 ? scene.numerics.support : default_support(scene.numerics.kernel));
+  c.skin = scene.numerics.skin * c.particle_distance;
+  c.layers = static_cast<int>(std::floor(c.support / c.particle_distance + 1e-9));
+  c.density = scene.fluid.density;
+  c.particle_mass = c.density * std::pow(c.particle_distance, c.dimension) * (c.dimension == 2 ? scene.thickness : 1.0);
+  for (int k = 0; k < 3; ++k) c.gravity[k] = scene.fluid.gravity[k];
+  c.reference_speed = reference_speed(scene);
+  c.sound_speed = scene.numerics.sound_speed > 0 ? scene.numerics.sound_speed : 10 * c.reference_speed;
+  c.step = scene.numerics.cfl * c.particle_distance / (c.sound_speed + c.reference_speed);
+  c.viscosity = scene.fluid.kinematic_viscosity;
+  c.lattice = c.kernel == KernelKind::wendland
+                  ? lattice_sums<KernelKind::wendland>(c.dimension, c.particle_distance, c.support)
+                  : lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support);
+  c.gradient_factor = c.dimension / c.lattice.weight;
+  c.laplacian_factor = 2.0 * c.dimension / c.lattice.weight_square;
+  c.artificial_viscosity = scene.numerics.artificial_viscosity * c.sound_speed * c.particle_distance;
+  c.density_diffusion = scene.numerics.density_diffusion * c.sound_speed * c.particle_distance;
+  c.collision_distance = scene.numerics.collision_distance * c.particle_distance;
+  c.collision_restitution = scene.numerics.collision_restitution;
+  return c;
+}
+
+}  // namespace embacle::mps

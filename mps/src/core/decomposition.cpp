@@ -1,0 +1,129 @@
+#include "core/decomposition.hpp"
+
+#include <zoltan.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace embacle::mps {
+
+namespace {
+
+struct Points {
+  int dimension;
+  const std::vector<double>* positions;
+  const std::vector<float>* weights;
+};
+
+const Points& points_of(void* data) { return *static_cast<const Points*>(data); }
+
+int number_of_dimensions(void* data, int* error) {
+  *error = ZOLTAN_OK;
+  return points_of(data).dimension;
+}
+
+int number_of_points(void* data, int* error) {
+  *error = ZOLTAN_OK;
+  return static_cast<int>(points_of(data).weights->size());
+}
+
+void point_list(void* data, int, int, ZOLTAN_ID_PTR global_ids, ZOLTAN_ID_PTR, int, float* weights, int* error) {
+  const Points& points = points_of(data);
+  for (std::size_t i = 0; i < points.weights->size(); ++i) {
+    global_ids[i] = static_cast<ZOLTAN_ID_TYPE>(i);
+    weights[i] = (*points.weights)[i];
+  }
+  *error = ZOLTAN_OK;
+}
+
+void point_positions(void* data, int, int, int count, ZOLTAN_ID_PTR global_ids, ZOLTAN_ID_PTR, int dimension,
+                     double* positions, int* error) {
+  const Points& points = points_of(data);
+  for (int i = 0; i < count; ++i) {
+    for (int c = 0; c < dimension; ++c) {
+      positions[i * dimension + c] = (*points.positions)[3 * static_cast<std::size_t>(global_ids[i]) + c];
+    }
+  }
+  *error = ZOLTAN_OK;
+}
+
+void check(int status, const char* what) {
+  if (status != ZOLTAN_OK && status != ZOLTAN_WARN) throw std::runtime_error(std::string("Zoltan failed in ") + what);
+}
+
+}  // namespace
+
+Decomposition::Decomposition(MPI_Comm comm) : comm_(comm) {
+  MPI_Comm_rank(comm, &rank_);
+  MPI_Comm_size(comm, &size_);
+  const double inf = std::numeric_limits<double>::infinity();
+  boxes_.assign(size_, Box{coupling::Vec3::Constant(-inf), coupling::Vec3::Constant(inf)});
+}
+
+void Decomposition::partition(int dimension, const std::vector<double>& positions, const std::vector<float>& weights) {
+  if (size_ == 1) return;
+  float version = 0;
+  check(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
+  Zoltan_Struct* zoltan = Zoltan_Create(comm_);
+  Points points{dimension, &positions, &weights};
+  for (const auto& [key, value] : {std::pair{"LB_METHOD", "RCB"}, {"NUM_GID_ENTRIES", "1"}, {"NUM_LID_ENTRIES", "0"},
+                                   {"OBJ_WEIGHT_DIM", "1"}, {"KEEP_CUTS", "1"}, {"RETURN_LISTS", "NONE"},
+                                   {"DEBUG_LEVEL", "0"}, {"RCB_RECTILINEAR_BLOCKS", "1"}, {"IMBALANCE_TOL", "1.01"}}) {
+    check(Zoltan_Set_Param(zoltan, key, value), key);
+  }
+  Zoltan_Set_Num_Geom_Fn(zoltan, number_of_dimensions, &points);
+  Zoltan_Set_Geom_Multi_Fn(zoltan, point_positions, &points);
+  Zoltan_Set_Num_Obj_Fn(zoltan, number_of_points, &points);
+  Zoltan_Set_Obj_List_Fn(zoltan, point_list, &points);
+  int changes = 0, gid_entries = 0, lid_entries = 0, imports = 0, exports = 0;
+  ZOLTAN_ID_PTR import_gids = nullptr, import_lids = nullptr, export_gids = nullptr, export_lids = nullptr;
+  int *import_procs = nullptr, *import_parts = nullptr, *export_procs = nullptr, *export_parts = nullptr;
+  check(Zoltan_LB_Partition(zoltan, &changes, &gid_entries, &lid_entries, &imports, &import_gids, &import_lids,
+                            &import_procs, &import_parts, &exports, &export_gids, &export_lids, &export_procs,
+                            &export_parts),
+        "Zoltan_LB_Partition");
+  Zoltan_LB_Free_Part(&import_gids, &import_lids, &import_procs, &import_parts);
+  Zoltan_LB_Free_Part(&export_gids, &export_lids, &export_procs, &export_parts);
+  const double inf = std::numeric_limits<double>::infinity();
+  for (int part = 0; part < size_; ++part) {
+    int dim = 0;
+    double lower[3], upper[3];
+    check(Zoltan_RCB_Box(zoltan, part, &dim, &lower[0], &lower[1], &lower[2], &upper[0], &upper[1], &upper[2]),
+          "Zoltan_RCB_Box");
+    for (int c = 0; c < 3; ++c) {
+      const bool used = c < dimension;
+      boxes_[part].lower[c] = used && std::abs(lower[c]) < 1e30 ? lower[c] : -inf;
+      boxes_[part].upper[c] = used && std::abs(upper[c]) < 1e30 ? upper[c] : inf;
+    }
+  }
+  Zoltan_Destroy(&zoltan);
+}
+
+int Decomposition::owner(const double* x, int guess) const {
+  const coupling::Vec3 point(x[0], x[1], x[2]);
+  if (boxes_[guess].contains(point)) return guess;
+  for (int r = 0; r < size_; ++r) {
+    if (boxes_[r].contains(point)) return r;
+  }
+  return -1;
+}
+
+bool within_reach(const Box& a, const Box& b, double reach) {
+  double square = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double gap = std::max({0.0, a.lower[c] - b.upper[c], b.lower[c] - a.upper[c]});
+    square += gap * gap;
+  }
+  return square <= reach * reach;
+}
+
+std::vector<int> Decomposition::neighbours(double reach) const {
+  std::vector<int> result;
+  for (int r = 0; r < size_; ++r) {
+    if (r != rank_ && within_reach(boxes_[r], own(), reach)) result.push_back(r);
+  }
+  return result;
+}
+
+}  // namespace embacle::mps

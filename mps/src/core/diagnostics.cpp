@@ -1,0 +1,200 @@
+#include "core/diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace embacle::mps {
+
+namespace {
+
+/// Smooth number density whose sum hardly depends on the arrangement of particles: (1-q)^4 (4q+1).
+double arrangement_weight(double q) {
+  if (q >= 1) return 0;
+  const double rest = (1 - q) * (1 - q);
+  return rest * rest * (4 * q + 1);
+}
+
+struct Arrangement {
+  double sum = 0;
+  Triple slope{};
+};
+
+Arrangement arrangement_of(const Simulation& simulation, std::size_t i) {
+  const auto& records = simulation.particles().record;
+  const double support = simulation.constants().support;
+  Arrangement result;
+  const NeighbourRange range = simulation.neighbours().of_water(i);
+  for (const std::uint32_t* k = range.begin; k < range.end; ++k) {
+    Triple d;
+    double r2 = 0;
+    for (int c = 0; c < 3; ++c) {
+      d[c] = records[*k].x[c] - records[i].x[c];
+      r2 += d[c] * d[c];
+    }
+    const double w = arrangement_weight(std::sqrt(r2) / support);
+    result.sum += w;
+    for (int c = 0; c < 3; ++c) result.slope[c] += w * d[c];
+  }
+  return result;
+}
+
+double lattice_arrangement(const Constants& constants) {
+  const int reach = static_cast<int>(std::ceil(constants.support / constants.particle_distance));
+  double sum = 0;
+  for (int k = constants.dimension == 3 ? -reach : 0; k <= (constants.dimension == 3 ? reach : 0); ++k) {
+    for (int j = -reach; j <= reach; ++j) {
+      for (int i = -reach; i <= reach; ++i) {
+        if (i != 0 || j != 0 || k != 0) {
+          sum += arrangement_weight(std::sqrt(i * i + j * j + k * k) * constants.particle_distance / constants.support);
+        }
+      }
+    }
+  }
+  return sum;
+}
+
+bool outside_tank(const Scene& scene, const double* x) {
+  static constexpr const char* names = "xyz";
+  for (const Wall& wall : scene.walls) {
+    if (wall.kind != Wall::Kind::tank) continue;
+    const auto closed = [&](int c, char sign) {
+      return std::find(wall.open.begin(), wall.open.end(), std::string{names[c], sign}) == wall.open.end();
+    };
+    for (int c = 0; c < scene.dimension; ++c) {
+      if ((x[c] < wall.region.lower[c] && closed(c, '-')) || (x[c] > wall.region.upper[c] && closed(c, '+'))) return true;
+    }
+  }
+  return false;
+}
+
+double dot(const double* a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+WaterState measure(const Simulation& simulation, const Scene& scene) {
+  const Constants& c = simulation.constants();
+  const Particles& particles = simulation.particles();
+  const double full = lattice_arrangement(c);
+  const double tait = c.sound_speed * c.sound_speed / 7.0;
+  double sums[11] = {};
+  double deepest = -1e300;
+  for (std::size_t i = 0; i < particles.water; ++i) {
+    const Record& record = particles.record[i];
+    const double m = c.particle_mass;
+    sums[0] += 1;
+    for (int d = 0; d < 3; ++d) {
+      sums[1] += 0.5 * m * record.v[d] * record.v[d];
+      sums[2] -= m * c.gravity[d] * record.x[d];
+      sums[4 + d] += m * record.v[d];
+    }
+    // Elastic energy of the Tait fluid: m INT p/(rho0 s^2) ds.
+    sums[3] += m * tait * (std::pow(record.s, 6) / 6.0 - 1.0 / 6.0 + 1.0 / record.s - 1.0);
+    const Arrangement around = arrangement_of(simulation, i);
+    const double slope = std::sqrt(around.slope[0] * around.slope[0] + around.slope[1] * around.slope[1] +
+                                   around.slope[2] * around.slope[2]);
+    if (around.sum > 0.8 * full && slope < 0.05 * full * c.particle_distance) {
+      sums[7] += 1;
+      sums[8] += (1.0 + full) / (1.0 + around.sum);
+    }
+    sums[9] += outside_tank(scene, record.x) ? 1 : 0;
+    if (simulation.bodies() != nullptr) {
+      const double depth = simulation.bodies()->penetration(record.x);
+      sums[10] += depth > 0 ? 1 : 0;
+      deepest = std::max(deepest, depth);
+    }
+  }
+  double total[11];
+  double all_deepest = 0;
+  MPI_Allreduce(sums, total, 11, MPI_DOUBLE, MPI_SUM, simulation.comm());
+  MPI_Allreduce(&deepest, &all_deepest, 1, MPI_DOUBLE, MPI_MAX, simulation.comm());
+  WaterState state;
+  state.particles = static_cast<std::int64_t>(total[0]);
+  state.mass = total[0] * c.particle_mass;
+  state.energy = {total[1], total[2], total[3]};
+  state.momentum = {total[4], total[5], total[6]};
+  state.volume_ratio = total[7] > 0 ? total[8] / total[7] : std::numeric_limits<double>::quiet_NaN();
+  state.interior_share = total[0] > 0 ? total[7] / total[0] : 0;
+  state.outside_tank = static_cast<std::int64_t>(total[9]);
+  state.inside_bodies = static_cast<std::int64_t>(total[10]);
+  state.deepest_in_body = std::max(0.0, all_deepest);
+  return state;
+}
+
+double water_level(const Simulation& simulation, const Scene& scene, const Gauge& gauge) {
+  const Constants& c = simulation.constants();
+  Vec3d up{};
+  const double norm = std::sqrt(dot(c.gravity, {c.gravity[0], c.gravity[1], c.gravity[2]}));
+  if (norm == 0) return std::numeric_limits<double>::quiet_NaN();
+  for (int d = 0; d < 3; ++d) up[d] = -c.gravity[d] / norm;
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < simulation.particles().water; ++i) {
+    const double* x = simulation.particles().record[i].x;
+    double offset[3], along = 0, square = 0;
+    for (int d = 0; d < 3; ++d) {
+      offset[d] = d < scene.dimension ? x[d] - gauge.position[d] : 0;
+      along += offset[d] * up[d];
+    }
+    for (int d = 0; d < 3; ++d) square += std::pow(offset[d] - along * up[d], 2);
+    if (square < c.particle_distance * c.particle_distance) heights.push_back(dot(x, up));
+  }
+  int rank = 0, size = 1;
+  MPI_Comm_rank(simulation.comm(), &rank);
+  MPI_Comm_size(simulation.comm(), &size);
+  std::vector<int> counts(size), offsets(size);
+  int mine = static_cast<int>(heights.size());
+  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, simulation.comm());
+  for (int r = 1; r < size; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
+  std::vector<double> all(offsets[size - 1] + counts[size - 1]);
+  MPI_Allgatherv(heights.data(), mine, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE,
+                 simulation.comm());
+  if (all.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(all.begin(), all.end());
+  std::size_t top = 0;
+  while (top + 1 < all.size() && all[top + 1] - all[top] < 2 * c.particle_distance) ++top;
+  return all[top] + 0.5 * c.particle_distance;
+}
+
+double pressure_at(const Simulation& simulation, const Gauge& gauge) {
+  const Constants& c = simulation.constants();
+  double sums[2] = {};
+  for (std::size_t i = 0; i < simulation.particles().water; ++i) {
+    const Record& record = simulation.particles().record[i];
+    double square = 0, head = 0;
+    for (int d = 0; d < c.dimension; ++d) {
+      const double offset = gauge.position[d] - record.x[d];
+      square += offset * offset;
+      head += c.gravity[d] * offset;
+    }
+    const double rest = 1 - std::sqrt(square) / c.support;
+    if (rest <= 0) continue;
+    sums[0] += rest * rest * rest;
+    sums[1] += rest * rest * rest * (record.p + c.density * head);
+  }
+  double total[2];
+  MPI_Allreduce(sums, total, 2, MPI_DOUBLE, MPI_SUM, simulation.comm());
+  return total[0] > 0 ? std::max(0.0, total[1] / total[0]) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double front_position(const Simulation& simulation, const Gauge& gauge) {
+  const Constants& c = simulation.constants();
+  const auto& records = simulation.particles().record;
+  double farthest = -1e300;
+  for (std::size_t i = 0; i < simulation.particles().water; ++i) {
+    const double along = dot(records[i].x, gauge.direction);
+    if (along <= farthest) continue;
+    int close = 0;  // a lone splash is no front
+    const NeighbourRange range = simulation.neighbours().of_water(i);
+    for (const std::uint32_t* k = range.begin; k < range.middle; ++k) {
+      double square = 0;
+      for (int d = 0; d < 3; ++d) square += std::pow(records[*k].x[d] - records[i].x[d], 2);
+      close += square < 2.25 * c.particle_distance * c.particle_distance ? 1 : 0;
+    }
+    if (close >= 2) farthest = along + 0.5 * c.particle_distance;
+  }
+  double result = 0;
+  MPI_Allreduce(&farthest, &result, 1, MPI_DOUBLE, MPI_MAX, simulation.comm());
+  return result;
+}
+
+}  // namespace embacle::mps

@@ -1,0 +1,40 @@
+// What is measured on the running water: energies, momentum, volume, gauges. All functions are collective.
+#pragma once
+
+#include <array>
+
+#include "core/simulation.hpp"
+
+namespace embacle::mps {
+
+struct Energies {
+  double kinetic = 0;    ///< [J]
+  double potential = 0;  ///< [J], zero at the origin
+  double elastic = 0;    ///< of compression [J]
+  [[nodiscard]] double total() const { return kinetic + potential + elastic; }
+};
+
+struct WaterState {
+  std::int64_t particles = 0;
+  double mass = 0;                  ///< [kg]
+  Energies energy;
+  Triple momentum{};                ///< [N s]
+  double volume_ratio = 1;          ///< volume that the interior water occupies over that of the rest lattice, from the particles'
+                                    ///< arrangement alone; 1 at the start
+  double interior_share = 0;        ///< share of the particles on which volume_ratio rests
+  std::int64_t outside_tank = 0;    ///< water particles beyond a closed face of a tank
+  std::int64_t inside_bodies = 0;   ///< water particles whose centre lies inside a body
+  double deepest_in_body = 0;       ///< [m]
+};
+
+[[nodiscard]] WaterState measure(const Simulation& simulation, const Scene& scene);
+
+/// Water level [m] (along the direction against gravity) in the column at `gauge.position`: top of the highest particle
+/// connected to those below by gaps of less than two particle distances; NaN in a dry column.
+[[nodiscard]] double water_level(const Simulation& simulation, const Scene& scene, const Gauge& gauge);
+/// Pressure [Pa] at a point, extrapolated from the water around as for walls; NaN where there is none.
+[[nodiscard]] double pressure_at(const Simulation& simulation, const Gauge& gauge);
+/// Farthest place [m] of connected water along `gauge.direction`.
+[[nodiscard]] double front_position(const Simulation& simulation, const Gauge& gauge);
+
+}  // namespace embacle::mps

@@ -1,0 +1,24 @@
+// The initial particles of a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/constants.hpp"
+#include "core/particles.hpp"
+#include "core/walls.hpp"
+
+namespace embacle::mps {
+
+/// The particles with which one rank starts (any share of the whole; the decomposition sorts them out).
+struct InitialParticles {
+  std::vector<Traveller> water;
+  std::vector<Traveller> walls;
+  std::vector<std::string> warnings;
+};
+
+/// Fills the water regions on the lattice of the particle distance, less what lies in box walls, with hydrostatic pressure
+/// below each region's level, and the walls. Rank `rank` of `size` generates its share only.
+[[nodiscard]] InitialParticles fill(const Scene& scene, const Constants& constants, const Walls& walls, int rank, int size);
+
+}  // namespace embacle::mps

@@ -1,0 +1,179 @@
+#include "core/halo.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace embacle::mps {
+
+namespace {
+
+constexpr int count_tag = 11;
+constexpr int particle_tag = 12;
+constexpr int update_tag = 13;
+
+static_assert(sizeof(Record) == 8 * sizeof(double));
+static_assert(std::is_trivially_copyable_v<Traveller>);
+
+/// Exchanges vectors of travellers with the partners; returns what was received, in the order of the partners.
+std::vector<std::vector<Traveller>> exchange(MPI_Comm comm, const std::vector<int>& partners,
+                                             const std::vector<std::vector<Traveller>>& outgoing) {
+  const std::size_t n = partners.size();
+  std::vector<int> send_count(n), receive_count(n);
+  std::vector<MPI_Request> requests(2 * n);
+  for (std::size_t k = 0; k < n; ++k) {
+    send_count[k] = static_cast<int>(outgoing[k].size());
+    MPI_Irecv(&receive_count[k], 1, MPI_INT, partners[k], count_tag, comm, &requests[2 * k]);
+    MPI_Isend(&send_count[k], 1, MPI_INT, partners[k], count_tag, comm, &requests[2 * k + 1]);
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  std::vector<std::vector<Traveller>> incoming(n);
+  requests.clear();
+  for (std::size_t k = 0; k < n; ++k) {
+    incoming[k].resize(receive_count[k]);
+    if (receive_count[k] > 0) {
+      MPI_Irecv(incoming[k].data(), static_cast<int>(receive_count[k] * sizeof(Traveller)), MPI_BYTE, partners[k],
+                particle_tag, comm, &requests.emplace_back());
+    }
+    if (send_count[k] > 0) {
+      MPI_Isend(outgoing[k].data(), static_cast<int>(send_count[k] * sizeof(Traveller)), MPI_BYTE, partners[k],
+                particle_tag, comm, &requests.emplace_back());
+    }
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  return incoming;
+}
+
+double distance_to_box(const Box& box, const double* x) {
+  double square = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double outside = std::max({0.0, box.lower[c] - x[c], x[c] - box.upper[c]});
+    square += outside * outside;
+  }
+  return std::sqrt(square);
+}
+
+}  // namespace
+
+void Halo::migrate(const Decomposition& decomposition, double reach, bool anywhere,
+                   std::vector<Traveller>& travellers) const {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(comm_, &rank);
+  MPI_Comm_size(comm_, &size);
+  if (size == 1) return;
+  std::vector<int> partners;
+  if (anywhere) {
+    for (int r = 0; r < size; ++r) {
+      if (r != rank) partners.push_back(r);
+    }
+  } else {
+    partners = decomposition.neighbours(reach);
+  }
+  std::vector<int> slot(size, -1);
+  for (std::size_t k = 0; k < partners.size(); ++k) slot[partners[k]] = static_cast<int>(k);
+  std::vector<std::vector<Traveller>> outgoing(partners.size());
+  std::vector<Traveller> kept;
+  kept.reserve(travellers.size());
+  for (const Traveller& traveller : travellers) {
+    const double* x = traveller.record.x;
+    const int owner = decomposition.owner(x, rank);
+    if (owner == rank) {
+      kept.push_back(traveller);
+    } else if (owner >= 0 && slot[owner] >= 0) {
+      outgoing[slot[owner]].push_back(traveller);
+    } else {
+      throw coupling::InstabilityError(
+          fmt::format("particle {} jumped to ({:.4g}, {:.4g}, {:.4g}) m, beyond the neighbouring ranks",
+                      traveller.identity.id, x[0], x[1], x[2]));
+    }
+  }
+  for (const auto& incoming : exchange(comm_, partners, outgoing)) {
+    kept.insert(kept.end(), incoming.begin(), incoming.end());
+  }
+  travellers = std::move(kept);
+}
+
+void Halo::build(const Decomposition& decomposition, double reach, Particles& particles) {
+  links_.clear();
+  const std::vector<int> partners = decomposition.neighbours(reach);
+  std::vector<std::vector<Traveller>> outgoing_water(partners.size()), outgoing_solid(partners.size());
+  for (std::size_t k = 0; k < partners.size(); ++k) {
+    Link link;
+    link.rank = partners[k];
+    const Box& box = decomposition.boxes()[link.rank];
+    for (std::uint32_t i = 0; i < particles.own(); ++i) {
+      if (distance_to_box(box, particles.record[i].x) > reach) continue;
+      const bool water = i < particles.water;
+      (water ? link.send_water : link.send_solid).push_back(i);
+      (water ? outgoing_water : outgoing_solid)[k].push_back({particles.record[i], particles.identity[i]});
+    }
+    links_.push_back(std::move(link));
+  }
+  const auto incoming_water = exchange(comm_, partners, outgoing_water);
+  const auto incoming_solid = exchange(comm_, partners, outgoing_solid);
+  std::vector<Traveller> ghost_water, ghost_solid;
+  for (const auto& group : incoming_water) ghost_water.insert(ghost_water.end(), group.begin(), group.end());
+  for (const auto& group : incoming_solid) ghost_solid.insert(ghost_solid.end(), group.begin(), group.end());
+  particles.assign_ghosts(ghost_water, ghost_solid);
+  std::size_t next_water = particles.ghosts_begin();
+  std::size_t next_solid = particles.ghost_solid_begin();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    Link& link = links_[k];
+    link.receive_water = incoming_water[k].size();
+    link.receive_solid = incoming_solid[k].size();
+    link.receive_water_begin = next_water;
+    link.receive_solid_begin = next_solid;
+    next_water += link.receive_water;
+    next_solid += link.receive_solid;
+  }
+}
+
+void Halo::update_motion(Particles& particles) { update(particles, 0, 6, true, true); }
+void Halo::update_water_state(Particles& particles) { update(particles, 6, 2, true, false); }
+void Halo::update_solid_pressure(Particles& particles) { update(particles, 6, 1, false, true); }
+
+void Halo::update(Particles& particles, int first, int width, bool water, bool solid) {
+  std::vector<MPI_Request> requests;
+  requests.reserve(2 * links_.size());
+  const std::size_t bytes = width * sizeof(double);
+  const auto field = [&](std::size_t i) { return reinterpret_cast<double*>(&particles.record[i]) + first; };
+  for (Link& link : links_) {
+    const std::size_t incoming = (water ? link.receive_water : 0) + (solid ? link.receive_solid : 0);
+    link.receive_buffer.resize(incoming * width);
+    if (incoming > 0) {
+      MPI_Irecv(link.receive_buffer.data(), static_cast<int>(incoming * width), MPI_DOUBLE, link.rank, update_tag, comm_,
+                &requests.emplace_back());
+    }
+  }
+  for (Link& link : links_) {
+    const std::size_t outgoing = (water ? link.send_water.size() : 0) + (solid ? link.send_solid.size() : 0);
+    link.send_buffer.resize(outgoing * width);
+    double* out = link.send_buffer.data();
+    const auto pack = [&](const std::vector<std::uint32_t>& list) {
+      for (const std::uint32_t i : list) {
+        std::memcpy(out, field(i), bytes);
+        out += width;
+      }
+    };
+    if (water) pack(link.send_water);
+    if (solid) pack(link.send_solid);
+    if (outgoing > 0) {
+      MPI_Isend(link.send_buffer.data(), static_cast<int>(outgoing * width), MPI_DOUBLE, link.rank, update_tag, comm_,
+                &requests.emplace_back());
+      ++messages_sent_;
+      bytes_sent_ += static_cast<std::int64_t>(outgoing * bytes);
+    }
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  for (const Link& link : links_) {
+    const double* in = link.receive_buffer.data();
+    const auto unpack = [&](std::size_t begin, std::size_t count) {
+      for (std::size_t i = begin; i < begin + count; ++i, in += width) std::memcpy(field(i), in, bytes);
+    };
+    if (water) unpack(link.receive_water_begin, link.receive_water);
+    if (solid) unpack(link.receive_solid_begin, link.receive_solid);
+  }
+}
+
+}  // namespace embacle::mps

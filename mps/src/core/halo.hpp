@@ -1,0 +1,51 @@
+// Moves particles between ranks: migration to the owner, and ghosts of what lies within reach of the neighbours.
+#pragma once
+
+#include <mpi.h>
+
+#include <vector>
+
+#include "core/decomposition.hpp"
+#include "core/particles.hpp"
+
+namespace embacle::mps {
+
+class Halo {
+ public:
+  explicit Halo(MPI_Comm comm) : comm_(comm) {}
+
+  /// Sends every traveller to the rank that owns its place. `anywhere`: after a new decomposition a particle may go to any
+  /// rank, otherwise only to ranks within `reach`. Throws InstabilityError for a place that no rank owns (NaN) or that
+  /// lies beyond the neighbours.
+  void migrate(const Decomposition& decomposition, double reach, bool anywhere, std::vector<Traveller>& travellers) const;
+
+  /// Ghosts: every own particle within `reach` of a neighbour's box is copied there; the plan stays for the updates.
+  void build(const Decomposition& decomposition, double reach, Particles& particles);
+
+  /// Positions and velocities of all ghosts.
+  void update_motion(Particles& particles);
+  /// Pressure and n/n0 of the water's ghosts / of the solid points' ghosts.
+  void update_water_state(Particles& particles);
+  void update_solid_pressure(Particles& particles);
+
+  [[nodiscard]] std::int64_t bytes_sent() const { return bytes_sent_; }
+  [[nodiscard]] std::int64_t messages_sent() const { return messages_sent_; }
+
+ private:
+  struct Link {
+    int rank;
+    std::vector<std::uint32_t> send_water, send_solid;
+    std::size_t receive_water = 0, receive_solid = 0;               ///< counts
+    std::size_t receive_water_begin = 0, receive_solid_begin = 0;   ///< first index
+    std::vector<double> send_buffer, receive_buffer;
+  };
+  /// Copies `width` doubles a particle, from offset `first` of the record, of water and/or solid points.
+  void update(Particles& particles, int first, int width, bool water, bool solid);
+
+  MPI_Comm comm_;
+  std::vector<Link> links_;
+  std::int64_t bytes_sent_ = 0;
+  std::int64_t messages_sent_ = 0;
+};
+
+}  // namespace embacle::mps

@@ -1,0 +1,68 @@
+// Neighbour lists with a skin, built from cells, valid until something has moved by half the skin.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/particles.hpp"
+#include "core/walls.hpp"
+
+namespace embacle::mps {
+
+/// Neighbours of a particle: indices into the particles' records, padded to full packs with the sentinel.
+struct NeighbourRange {
+  const std::uint32_t* begin;
+  const std::uint32_t* middle;  ///< water in [begin, middle), solid points in [middle, end)
+  const std::uint32_t* end;
+};
+
+class Neighbours {
+ public:
+  /// `radius` [m]: support plus skin.
+  Neighbours(int dimension, double radius) : dimension_(dimension), radius_(radius) {}
+
+  /// Lists of all own water particles (water and solid neighbours) and of all own solid points (water only).
+  /// `walls`: wall owners that are thin, with their present place (see Walls).
+  void build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin);
+
+  [[nodiscard]] NeighbourRange of_water(std::size_t i) const {
+    const std::uint32_t* base = index_.data();
+    return {base + begin_[i], base + middle_[i], base + begin_[i + 1]};
+  }
+  /// Own solid points that have water near, as indices into the records, and their water.
+  [[nodiscard]] const std::vector<std::uint32_t>& wet_points() const { return wet_points_; }
+  [[nodiscard]] NeighbourRange of_wet_point(std::size_t k) const {
+    const std::uint32_t* base = wet_index_.data();
+    return {base + wet_begin_[k], base + wet_begin_[k + 1], base + wet_begin_[k + 1]};
+  }
+  /// Directed pairs in all lists, padding included.
+  [[nodiscard]] std::size_t pairs() const { return index_.size() + wet_index_.size(); }
+  [[nodiscard]] std::size_t bytes() const;
+
+  /// Order of own water by cell (for sorting before the next build).
+  [[nodiscard]] static std::vector<std::uint32_t> cell_order(const std::vector<Traveller>& travellers, double cell);
+
+ private:
+  /// Points binned into cells, contiguous along x.
+  struct Bins {
+    std::vector<double> x, y, z;
+    std::vector<std::uint32_t> index;
+    std::vector<std::uint32_t> first;  ///< of each cell
+  };
+  void make_grid(const Particles& particles);
+  void fill(Bins& bins, const Particles& particles, bool water);
+  template <class Accept>
+  void search(const Bins& bins, const double* x, std::vector<std::uint32_t>& list, Accept&& accept);
+
+  int dimension_;
+  double radius_;
+  double cell_[3] = {1, 1, 1};
+  double origin_[3] = {0, 0, 0};
+  int cells_[3] = {1, 1, 1};
+  Bins water_, solid_;
+  std::vector<std::uint32_t> index_, wet_index_;
+  std::vector<std::size_t> begin_, middle_, wet_begin_;
+  std::vector<std::uint32_t> wet_points_;
+};
+
+}  // namespace embacle::mps

@@ -1,0 +1,175 @@
+#include "core/operators.hpp"
+
+#include <algorithm>
+
+namespace embacle::mps {
+
+namespace {
+
+/// Calls `run` with the dimension and the kernel as compile-time constants.
+template <class Run>
+void dispatch(const Constants& constants, Run&& run) {
+  const auto with_kernel = [&]<int D>() {
+    if (constants.kernel == KernelKind::wendland) {
+      run.template operator()<D, KernelKind::wendland>();
+    } else {
+      run.template operator()<D, KernelKind::rational>();
+    }
+  };
+  if (constants.dimension == 3) {
+    with_kernel.template operator()<3>();
+  } else {
+    with_kernel.template operator()<2>();
+  }
+}
+
+template <int D>
+Pack dot(Pack ax, Pack ay, Pack az, Pack bx, Pack by, Pack bz) {
+  if constexpr (D == 3) {
+    return ax * bx + ay * by + az * bz;
+  } else {
+    return ax * bx + ay * by;
+  }
+}
+
+template <int D, KernelKind K>
+void density_rate(const Particles& particles, const Neighbours& neighbours, const Constants& c,
+                  std::vector<double>& rate) {
+  const Kernel<K> kernel{1.0 / c.support};
+  const Record* records = particles.record.data();
+  const double inverse_c2 = 1.0 / (c.sound_speed * c.sound_speed);
+  const Pack gx = splat(c.gravity[0] * inverse_c2), gy = splat(c.gravity[1] * inverse_c2),
+             gz = splat(c.gravity[2] * inverse_c2);
+  const double diffusion = c.density_diffusion * c.laplacian_factor;
+  rate.resize(particles.water);
+  for (std::size_t i = 0; i < particles.water; ++i) {
+    const Record& me = records[i];
+    const NeighbourRange range = neighbours.of_water(i);
+    Pack divergence = splat(0), laplacian = splat(0);
+    const auto pair = [&]<bool Water>(const std::uint32_t* index) {
+      const RecordPack other = load(records, index);
+      const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
+      const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
+      const Pack f = kernel.gradient_weight(square_root(r2), max_zero);
+      divergence += f * dot<D>(other.vx - me.v[0], other.vy - me.v[1], other.vz - me.v[2], dx, dy, dz);
+      if constexpr (Water) laplacian += f * r2 * ((other.s - me.s) - dot<D>(gx, gy, gz, dx, dy, dz));
+    };
+    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
+    for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
+    rate[i] = -c.gradient_factor * horizontal_sum(divergence) + diffusion * horizontal_sum(laplacian);
+  }
+}
+
+template <int D, KernelKind K>
+void extrapolate(Particles& particles, const Neighbours& neighbours, const Constants& c,
+                 const std::vector<Triple>& acceleration) {
+  const Kernel<K> kernel{1.0 / c.support};
+  Record* records = particles.record.data();
+  const auto& wet = neighbours.wet_points();
+  for (std::size_t k = 0; k < wet.size(); ++k) {
+    Record& me = records[wet[k]];
+    double g[3] = {c.gravity[0], c.gravity[1], c.gravity[2]};
+    if (!acceleration.empty()) {
+      for (int d = 0; d < 3; ++d) g[d] -= acceleration[k][d];
+    }
+    for (double& component : g) component *= c.density;
+    const NeighbourRange range = neighbours.of_wet_point(k);
+    Pack weights = splat(0), sum = splat(0);
+    for (const std::uint32_t* n = range.begin; n < range.end; n += lanes) {
+      const RecordPack other = load(records, n);
+      const Pack dx = me.x[0] - other.x, dy = me.x[1] - other.y, dz = me.x[2] - other.z;
+      const Pack f = kernel.gradient_weight(square_root(dot<D>(dx, dy, dz, dx, dy, dz)), max_zero);
+      weights += f;
+      sum += f * (other.p + dot<D>(splat(g[0]), splat(g[1]), splat(g[2]), dx, dy, dz));
+    }
+    const double weight = horizontal_sum(weights);
+    me.p = weight > 0 ? std::max(0.0, horizontal_sum(sum) / weight) : 0.0;
+  }
+}
+
+template <int D, KernelKind K, bool Viscous>
+void forces(const Particles& particles, const Neighbours& neighbours, const Constants& c,
+            std::vector<Triple>& acceleration, std::vector<Triple>& reaction) {
+  const Kernel<K> kernel{1.0 / c.support};
+  const Record* records = particles.record.data();
+  const double pressure_factor = -c.gradient_factor / c.density;
+  const double damping_factor = c.gradient_factor * c.artificial_viscosity;
+  const double viscous_factor = c.viscosity * c.laplacian_factor;
+  const double water_collision = c.collision_distance * c.collision_distance;
+  const double solid_distance = c.collision_distance > 0 ? 0.5 * c.particle_distance : 0.0;
+  const double solid_collision = solid_distance * solid_distance;
+  const double water_impulse = 0.5 * (1.0 + c.collision_restitution) / c.step;
+  const double solid_impulse = (1.0 + c.collision_restitution) / c.step;
+
+  acceleration.resize(particles.water);
+  reaction.assign(reaction_slots(particles), Triple{});
+  for (std::size_t i = 0; i < particles.water; ++i) {
+    const Record& me = records[i];
+    const NeighbourRange range = neighbours.of_water(i);
+    Pack ax = splat(0), ay = splat(0), az = splat(0);
+    const auto pair = [&]<bool Water>(const std::uint32_t* index) {
+      const RecordPack other = load(records, index);
+      const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
+      const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
+      const Pack f = kernel.gradient_weight(square_root(r2), max_zero);
+      const Pack ux = other.vx - me.v[0], uy = other.vy - me.v[1], uz = other.vz - me.v[2];
+      const Pack approach = dot<D>(ux, uy, uz, dx, dy, dz) / (r2 + 1e-300);  // v_ij.r_ij/r^2
+      Pack along = f * (pressure_factor * (me.p + other.p));
+      if constexpr (Water) along += f * (damping_factor * approach);
+      const Pack impulse = approach * (Water ? water_impulse : solid_impulse);
+      along += (r2 < (Water ? water_collision : solid_collision)) & (approach < 0.0) ? impulse : splat(0.0);
+      Pack fx = along * dx, fy = along * dy, fz = along * dz;
+      if constexpr (Viscous) {
+        const Pack laplacian = f * r2 * (Water ? viscous_factor : 2.0 * viscous_factor);
+        fx += laplacian * ux;
+        fy += laplacian * uy;
+        fz += laplacian * uz;
+      }
+      ax += fx;
+      ay += fy;
+      if constexpr (D == 3) az += fz;
+      if constexpr (!Water) {
+        for (int lane = 0; lane < lanes; ++lane) {
+          Triple& on_point = reaction[reaction_slot(particles, index[lane])];
+          on_point[0] -= c.particle_mass * fx[lane];
+          on_point[1] -= c.particle_mass * fy[lane];
+          if constexpr (D == 3) on_point[2] -= c.particle_mass * fz[lane];
+        }
+      }
+    };
+    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
+    for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
+    acceleration[i] = {horizontal_sum(ax) + c.gravity[0], horizontal_sum(ay) + c.gravity[1],
+                       horizontal_sum(az) + c.gravity[2]};
+  }
+}
+
+}  // namespace
+
+void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants,
+                     std::vector<double>& rate) {
+  dispatch(constants, [&]<int D, KernelKind K>() { density_rate<D, K>(particles, neighbours, constants, rate); });
+  for (std::size_t i = 0; i < particles.water; ++i) {
+    Record& record = particles.record[i];
+    record.s += constants.step * rate[i];
+    record.p = pressure_of(record.s, constants);
+  }
+}
+
+void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, const Constants& constants,
+                          const std::vector<Triple>& acceleration) {
+  dispatch(constants, [&]<int D, KernelKind K>() { extrapolate<D, K>(particles, neighbours, constants, acceleration); });
+}
+
+void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
+                std::vector<Triple>& acceleration, std::vector<Triple>& reaction) {
+  dispatch(constants, [&]<int D, KernelKind K>() {
+    if (constants.viscosity > 0) {
+      forces<D, K, true>(particles, neighbours, constants, acceleration, reaction);
+    } else {
+      forces<D, K, false>(particles, neighbours, constants, acceleration, reaction);
+    }
+  });
+}
+
+}  // namespace embacle::mps

@@ -1,0 +1,120 @@
+// The particles of one rank: one 64-byte record each (what the pair loops read), and what identifies them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/simd.hpp"
+
+namespace embacle::mps {
+
+/// What a neighbour must know of a particle: exactly one cache line.
+struct alignas(64) Record {
+  double x[3] = {0, 0, 0};  ///< position [m]
+  double v[3] = {0, 0, 0};  ///< velocity [m/s]
+  double p = 0;             ///< pressure [Pa]
+  double s = 1;             ///< n/n0 = rho/rho0 [-]
+};
+
+/// Four records as columns.
+struct RecordPack {
+  Pack x, y, z, vx, vy, vz, p, s;
+};
+
+inline RecordPack load(const Record* records, const std::uint32_t* index) {
+  RecordPack pack;
+  const auto row = [&](int lane, int half) {
+    return *(reinterpret_cast<const Pack*>(records + index[lane]) + half);
+  };
+  pack.x = row(0, 0);
+  pack.y = row(1, 0);
+  pack.z = row(2, 0);
+  pack.vx = row(3, 0);
+  transpose(pack.x, pack.y, pack.z, pack.vx);
+  pack.vy = row(0, 1);
+  pack.vz = row(1, 1);
+  pack.p = row(2, 1);
+  pack.s = row(3, 1);
+  transpose(pack.vy, pack.vz, pack.p, pack.s);
+  return pack;
+}
+
+/// Identity of a particle.
+struct Identity {
+  std::int64_t id = 0;      ///< unique over all ranks for water; walls likewise; body points: -1
+  std::int32_t owner = -1;  ///< water: -1; walls: index of the wall; body points: number of walls + index of the body on this rank
+  std::int32_t point = 0;   ///< body points: index into the shape's points; walls: side (see Wall sides)
+};
+
+/// A particle as it travels between ranks.
+struct Traveller {
+  Record record;
+  Identity identity;
+};
+
+/// All particles of a rank, in the order: own water, own solid points (walls, then bodies), ghost water, ghost solid points,
+/// and one sentinel far away, to which padded neighbour lists point.
+class Particles {
+ public:
+  std::vector<Record> record = std::vector<Record>(1);
+  std::vector<Identity> identity = std::vector<Identity>(1);
+  std::size_t water = 0;        ///< own water particles: [0, water)
+  std::size_t solid = 0;        ///< own solid points: [water, water + solid)
+  std::size_t ghost_water = 0;
+  std::size_t ghost_solid = 0;
+
+  [[nodiscard]] std::size_t own() const { return water + solid; }
+  [[nodiscard]] std::size_t all() const { return water + solid + ghost_water + ghost_solid; }
+  [[nodiscard]] std::uint32_t sentinel() const { return static_cast<std::uint32_t>(all()); }
+  [[nodiscard]] std::size_t ghosts_begin() const { return own(); }
+  [[nodiscard]] std::size_t ghost_solid_begin() const { return own() + ghost_water; }
+  [[nodiscard]] bool is_water(std::size_t i) const { return i < water || (i >= own() && i < ghost_solid_begin()); }
+
+  /// Replaces everything by these own particles; no ghosts.
+  void assign(const std::vector<Traveller>& water_particles, const std::vector<Traveller>& solid_points);
+  /// Appends ghosts behind the own particles (replaces earlier ghosts).
+  void assign_ghosts(const std::vector<Traveller>& water_particles, const std::vector<Traveller>& solid_points);
+
+ private:
+  void put_sentinel();
+};
+
+inline void Particles::put_sentinel() {
+  Record far;
+  far.x[0] = far.x[1] = far.x[2] = 1e30;
+  record.push_back(far);
+  identity.emplace_back();
+}
+
+inline void Particles::assign(const std::vector<Traveller>& water_particles, const std::vector<Traveller>& solid_points) {
+  record.clear();
+  identity.clear();
+  for (const auto* group : {&water_particles, &solid_points}) {
+    for (const Traveller& traveller : *group) {
+      record.push_back(traveller.record);
+      identity.push_back(traveller.identity);
+    }
+  }
+  water = water_particles.size();
+  solid = solid_points.size();
+  ghost_water = ghost_solid = 0;
+  put_sentinel();
+}
+
+inline void Particles::assign_ghosts(const std::vector<Traveller>& water_particles,
+                                     const std::vector<Traveller>& solid_points) {
+  record.resize(own());
+  identity.resize(own());
+  for (const auto* group : {&water_particles, &solid_points}) {
+    for (const Traveller& traveller : *group) {
+      record.push_back(traveller.record);
+      identity.push_back(traveller.identity);
+    }
+  }
+  ghost_water = water_particles.size();
+  ghost_solid = solid_points.size();
+  put_sentinel();
+}
+
+}  // namespace embacle::mps

@@ -1,0 +1,315 @@
+#include "core/recorder.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace embacle::mps {
+
+namespace {
+
+double or_else(double value, double fallback) { return value > 0 ? value : fallback; }
+
+Json::Array array_of(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder)
+    : scene_(scene), simulation_(simulation), folder_(std::move(folder)), began_(MPI_Wtime()) {
+  MPI_Comm_rank(simulation.comm(), &rank_);
+  const double end = scene.end_time;
+  fields_clock_.every = or_else(scene.output.fields_every, end);
+  bodies_clock_.every = or_else(scene.output.bodies_every, end / 1500);
+  gauges_clock_.every = or_else(scene.output.gauges_every, end / 1000);
+  energies_clock_.every = or_else(scene.output.energies_every, end / 100);
+  if (scene.output.fields) fields_ = std::make_unique<FieldWriter>(simulation.comm(), folder_);
+  if (rank_ == 0) {
+    energies_ = std::make_unique<CsvWriter>(
+        folder_ / "energies.csv",
+        std::vector<std::string>{"t [s]", "kinetic [J]", "potential [J]", "elastic [J]", "total [J]", "mass [kg]",
+                                 "px [N s]", "py [N s]", "pz [N s]", "volume ratio [-]", "outside tank [-]",
+                                 "inside bodies [-]", "deepest in body [m]"});
+    if (simulation.bodies() != nullptr) {
+      bodies_ = std::make_unique<CsvWriter>(
+          folder_ / "bodies.csv",
+          std::vector<std::string>{"t [s]", "tag [-]", "x [m]", "y [m]", "z [m]", "qw [-]", "qx [-]", "qy [-]", "qz [-]",
+                                   "vx [m/s]", "vy [m/s]", "vz [m/s]", "wx [rad/s]", "wy [rad/s]", "wz [rad/s]", "fx [N]",
+                                   "fy [N]", "fz [N]", "tx [N m]", "ty [N m]", "tz [N m]"});
+    }
+    for (const Gauge& gauge : scene.gauges) {
+      const char* column = gauge.kind == GaugeKind::pressure ? "pressure [Pa]"
+                           : gauge.kind == GaugeKind::level  ? "level [m]"
+                                                             : "front [m]";
+      gauges_.push_back(std::make_unique<CsvWriter>(folder_ / "gauges" / (gauge.name + ".csv"),
+                                                    std::vector<std::string>{"t [s]", column}));
+    }
+  }
+}
+
+void Recorder::record(bool last) {
+  const Phases::Timer timer(simulation_.phases(), Phase::output);
+  const double time = simulation_.time();
+  const double tolerance = 0.5 * simulation_.window_length();
+  const auto& pictures = scene_.output.pictures;
+  bool picture = false;
+  while (next_picture_ < pictures.size() && time + tolerance >= pictures[next_picture_]) {
+    picture = true;
+    ++next_picture_;
+  }
+  if (fields_ && (fields_clock_.due(time, tolerance) || picture || last)) write_fields();
+  if (simulation_.bodies() != nullptr && (bodies_clock_.due(time, tolerance) || last)) write_bodies();
+  if (!scene_.gauges.empty() && (gauges_clock_.due(time, tolerance) || last)) write_gauges();
+  if (energies_clock_.due(time, tolerance) || last) write_energies();
+  show_progress(last);
+}
+
+void Recorder::write_fields() {
+  const Particles& particles = simulation_.particles();
+  std::vector<std::uint32_t> chosen;
+  for (std::uint32_t i = 0; i < particles.water; ++i) chosen.push_back(i);
+  const auto& wet = simulation_.neighbours().wet_points();
+  chosen.insert(chosen.end(), wet.begin(), wet.end());
+  std::vector<float> position, velocity, pressure;
+  std::vector<std::int8_t> type;
+  std::vector<std::int32_t> tag;
+  for (const std::uint32_t i : chosen) {
+    const Record& record = particles.record[i];
+    for (int c = 0; c < 3; ++c) {
+      position.push_back(static_cast<float>(record.x[c]));
+      velocity.push_back(static_cast<float>(record.v[c]));
+    }
+    pressure.push_back(static_cast<float>(record.p));
+    const Identity& identity = particles.identity[i];
+    const bool body = identity.owner >= simulation_.walls().count();
+    type.push_back(static_cast<std::int8_t>(i < particles.water ? 0 : body ? 2 : 1));
+    tag.push_back(body ? static_cast<std::int32_t>(identity.id) : -1);
+  }
+  fields_->write({simulation_.time(), simulation_.counters().steps, position, velocity, pressure, type, tag});
+}
+
+void Recorder::write_bodies() {
+  constexpr int width = 20;
+  std::vector<double> rows;
+  for (const auto& body : simulation_.bodies()->all()) {
+    if (!body.sharers.empty() && body.sharers.front() != rank_) continue;
+    const auto& s = body.state;
+    rows.push_back(static_cast<double>(body.tag));
+    for (int c = 0; c < 3; ++c) rows.push_back(s.position[c]);
+    for (const double q : {s.orientation.w(), s.orientation.x(), s.orientation.y(), s.orientation.z()}) rows.push_back(q);
+    for (const auto* v : {&s.velocity, &s.angular_velocity, &body.applied.force, &body.applied.torque}) {
+      for (int c = 0; c < 3; ++c) rows.push_back((*v)[c]);
+    }
+  }
+  int size = 1;
+  MPI_Comm_size(simulation_.comm(), &size);
+  std::vector<int> counts(size), offsets(size);
+  const int mine = static_cast<int>(rows.size());
+  MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, simulation_.comm());
+  for (int r = 1; r < size; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
+  std::vector<double> all(rank_ == 0 ? offsets[size - 1] + counts[size - 1] : 0);
+  MPI_Gatherv(rows.data(), mine, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0,
+              simulation_.comm());
+  std::vector<const double*> sorted;
+  for (std::size_t k = 0; k + width <= all.size(); k += width) sorted.push_back(&all[k]);
+  std::sort(sorted.begin(), sorted.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
+  for (const double* row : sorted) {
+    std::vector<double> values{simulation_.time()};
+    values.insert(values.end(), row, row + width);
+    bodies_->row(values);
+  }
+  if (rank_ == 0) bodies_->flush();
+}
+
+void Recorder::write_gauges() {
+  for (std::size_t g = 0; g < scene_.gauges.size(); ++g) {
+    const Gauge& gauge = scene_.gauges[g];
+    const double value = gauge.kind == GaugeKind::pressure ? pressure_at(simulation_, gauge)
+                         : gauge.kind == GaugeKind::level  ? water_level(simulation_, scene_, gauge)
+                                                           : front_position(simulation_, gauge);
+    if (rank_ == 0) {
+      gauges_[g]->row(std::vector<double>{simulation_.time(), value});
+      gauges_[g]->flush();
+    }
+  }
+}
+
+void Recorder::write_energies() {
+  now_ = measure(simulation_, scene_);
+  if (start_.particles == 0) {
+    start_ = now_;
+    write_stage();
+  }
+  most_outside_ = std::max(most_outside_, now_.outside_tank);
+  most_inside_ = std::max(most_inside_, now_.inside_bodies);
+  deepest_ = std::max(deepest_, now_.deepest_in_body);
+  largest_energy_gain_ = std::max(largest_energy_gain_, now_.energy.total() - start_.energy.total());
+  if (rank_ != 0) return;
+  energies_->row(std::vector<double>{simulation_.time(), now_.energy.kinetic, now_.energy.potential, now_.energy.elastic,
+                                     now_.energy.total(), now_.mass, now_.momentum[0], now_.momentum[1], now_.momentum[2],
+                                     now_.volume_ratio, static_cast<double>(now_.outside_tank),
+                                     static_cast<double>(now_.inside_bodies), now_.deepest_in_body});
+  energies_->flush();
+}
+
+void Recorder::write_stage() const {
+  std::vector<double> packed;
+  if (simulation_.bodies() != nullptr) {
+    for (const auto& body : simulation_.bodies()->all()) {
+      if (!body.sharers.empty() && body.sharers.front() != rank_) continue;
+      packed.push_back(static_cast<double>(body.tag));
+      packed.push_back(body.shape);
+    }
+  }
+  int size = 1;
+  MPI_Comm_size(simulation_.comm(), &size);
+  std::vector<int> counts(size), offsets(size);
+  const int count = static_cast<int>(packed.size());
+  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, simulation_.comm());
+  for (int r = 1; r < size; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
+  std::vector<double> all(rank_ == 0 ? offsets[size - 1] + counts[size - 1] : 0);
+  MPI_Gatherv(packed.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0,
+              simulation_.comm());
+  if (rank_ != 0) return;
+  Json json;
+  json.set("title", scene_.title);
+  json.set("dimension", scene_.dimension);
+  json.set("gravity", array_of(scene_.fluid.gravity));
+  json.set("particle_distance", scene_.numerics.particle_distance);
+  json.set("pictures", Json::Array(scene_.output.pictures));
+  Json& domain = json.object("domain");
+  domain.set("lower", array_of(scene_.domain.lower));
+  domain.set("upper", array_of(scene_.domain.upper));
+  for (const Wall& wall : scene_.walls) {
+    Json& entry = json.append("walls");
+    entry.set("name", wall.name);
+    entry.set("kind", wall.kind == Wall::Kind::tank ? "tank" : "box");
+    entry.set("lower", array_of(wall.region.lower));
+    entry.set("upper", array_of(wall.region.upper));
+    const Motion motion = wall.motion.value_or(Motion{});
+    entry.set("velocity", array_of(motion.velocity));
+    entry.set("start", motion.start);
+    entry.set("stop", std::min(motion.stop, 1e30));
+  }
+  if (simulation_.bodies() != nullptr) {
+    for (const auto& shape : simulation_.bodies()->shapes()) {
+      Json& entry = json.append("shapes");
+      entry.set("kind", shape.kind == coupling::ShapeKind::box      ? "box"
+                        : shape.kind == coupling::ShapeKind::sphere ? "sphere"
+                                                                    : "cylinder");
+      entry.set("size", Json::Array{shape.size[0], shape.size[1], shape.size[2]});
+      entry.set("density", shape.density);
+    }
+  }
+  for (std::size_t k = 0; k + 1 < all.size(); k += 2) {
+    Json& entry = json.append("bodies");
+    entry.set("tag", static_cast<std::int64_t>(all[k]));
+    entry.set("shape", static_cast<std::int64_t>(all[k + 1]));
+  }
+  write_json(folder_ / "shapes.json", json);
+}
+
+void Recorder::show_progress(bool last) {
+  if (rank_ != 0) return;
+  const double now = MPI_Wtime();
+  const bool terminal = isatty(fileno(stdout)) != 0;
+  if (!last && now - last_shown_ < (terminal ? 0.5 : 15.0)) return;
+  last_shown_ = now;
+  const double time = simulation_.time();
+  const double share = std::min(1.0, time / scene_.end_time);
+  const double spent = now - began_;
+  const double left = share > 0.005 ? spent * (1 - share) / share : NAN;
+  const std::string line =
+      fmt::format("{:5.1f} %  t = {:.4f} s of {:g} s  {} steps  {:.2f} M particle updates/s  {}", 100 * share, time,
+                  scene_.end_time, simulation_.counters().steps,
+                  spent > 0 ? 1e-6 * static_cast<double>(now_.particles) *
+                                  static_cast<double>(simulation_.counters().steps) / spent
+                            : 0.0,
+                  last ? fmt::format("{:.0f} s in all", spent)
+                       : std::isfinite(left) ? fmt::format("{:.0f} s left", left)
+                                             : std::string());
+  fmt::print("{}{}{}", terminal ? "\r" : "", line, terminal && !last ? "\033[K" : "\n");
+  std::fflush(stdout);
+}
+
+Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
+  const Constants& c = simulation_.constants();
+  int size = 1;
+  MPI_Comm_size(simulation_.comm(), &size);
+  const Counters& counters = simulation_.counters();
+  std::int64_t sums[7] = {counters.water_updates, counters.particle_updates, counters.pair_sweeps,
+                          static_cast<std::int64_t>(simulation_.bytes()), simulation_.halo().bytes_sent(),
+                          simulation_.halo().messages_sent(), static_cast<std::int64_t>(simulation_.particles().own())};
+  std::int64_t totals[7];
+  MPI_Allreduce(sums, totals, 7, MPI_INT64_T, MPI_SUM, simulation_.comm());
+  double extremes[4] = {simulation_.extremes().speed, simulation_.extremes().compression, simulation_.extremes().pressure,
+                        simulation_.extremes().body_penetration};
+  MPI_Allreduce(MPI_IN_PLACE, extremes, 4, MPI_DOUBLE, MPI_MAX, simulation_.comm());
+  auto seconds = simulation_.phases().all();
+  MPI_Allreduce(MPI_IN_PLACE, seconds.data(), static_cast<int>(seconds.size()), MPI_DOUBLE, MPI_SUM, simulation_.comm());
+
+  Json json;
+  json.set("title", scene_.title).set("scene", scene_.file.filename().string()).set("version", EMBACLE_VERSION);
+  json.set("fluid_ranks", size);
+  json.set("dimension", c.dimension);
+  json.set("simulated_seconds", simulation_.time()).set("wall_seconds", wall_seconds);
+  json.set("steps", counters.steps).set("time_step", c.step);
+  json.set("particle_distance", c.particle_distance).set("support", c.support).set("sound_speed", c.sound_speed);
+  json.set("water_particles", now_.particles).set("particles", totals[6]);
+  json.set("removed_at_start", simulation_.removed_at_start());
+  json.set("neighbour_list_builds", counters.builds).set("decompositions", counters.decompositions);
+  json.set("imbalance", simulation_.imbalance());
+  json.set("water_updates_per_second", static_cast<double>(totals[0]) / wall_seconds);
+  json.set("particle_updates_per_second", static_cast<double>(totals[1]) / wall_seconds);
+  json.set("listed_pairs_per_second", static_cast<double>(totals[2]) / wall_seconds);
+  json.set("bytes_per_particle", totals[6] > 0 ? static_cast<double>(totals[3]) / static_cast<double>(totals[6]) : 0.0);
+  Json& phases = json.object("phase_seconds_mean_per_rank");
+  for (std::size_t k = 0; k < seconds.size(); ++k) phases.set(phase_names[k], seconds[k] / size);
+  Json& halo = json.object("halo");
+  halo.set("bytes_per_rank_and_step", static_cast<double>(totals[4]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
+  halo.set("messages_per_rank_and_step", static_cast<double>(totals[5]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
+  Json& energy = json.object("energy");
+  energy.set("start_total", start_.energy.total()).set("end_total", now_.energy.total());
+  energy.set("kinetic", now_.energy.kinetic).set("potential", now_.energy.potential).set("elastic", now_.energy.elastic);
+  energy.set("largest_gain", largest_energy_gain_);
+  json.set("mass", now_.mass);
+  json.set("momentum", Json::Array{now_.momentum[0], now_.momentum[1], now_.momentum[2]});
+  json.set("volume_ratio_start", start_.volume_ratio).set("volume_ratio_end", now_.volume_ratio);
+  json.set("volume_drift", now_.volume_ratio / start_.volume_ratio - 1.0);
+  Json& extreme = json.object("extremes");
+  extreme.set("speed", extremes[0]).set("compression", extremes[1]).set("pressure", extremes[2]);
+  extreme.set("water_outside_tank", most_outside_).set("water_inside_bodies", most_inside_);
+  extreme.set("deepest_in_body", std::max(deepest_, std::max(0.0, extremes[3])));
+  if (scene_.output.audit) {
+    Json& audit = json.object("audit");
+    audit.set("reaction_mismatch", simulation_.worst_audit().reaction_mismatch);
+    audit.set("momentum_residual", simulation_.worst_audit().momentum_residual);
+  }
+  if (link != nullptr) {
+    const coupling::LinkCounters& mine = link->counters();
+    std::int64_t link_sums[4] = {mine.messages_sent, mine.bytes_sent, mine.predictor_messages_sent, mine.plan_messages_sent};
+    std::int64_t link_most = mine.messages_sent;
+    double waiting = mine.waiting_seconds;
+    MPI_Allreduce(MPI_IN_PLACE, link_sums, 4, MPI_INT64_T, MPI_SUM, simulation_.comm());
+    MPI_Allreduce(MPI_IN_PLACE, &link_most, 1, MPI_INT64_T, MPI_MAX, simulation_.comm());
+    MPI_Allreduce(MPI_IN_PLACE, &waiting, 1, MPI_DOUBLE, MPI_SUM, simulation_.comm());
+    const double windows = static_cast<double>(std::max<std::int64_t>(1, mine.windows));
+    Json& coupling = json.object("coupling");
+    coupling.set("scheme", scene_.coupling.scheme == Scheme::serial ? "serial" : "parallel");
+    coupling.set("steps_per_window", scene_.coupling.steps_per_window).set("predictor", scene_.coupling.predictor);
+    coupling.set("windows", mine.windows);
+    coupling.set("messages_per_rank_and_window_mean", static_cast<double>(link_sums[0]) / size / windows);
+    coupling.set("messages_per_rank_and_window_most", static_cast<double>(link_most) / windows);
+    coupling.set("bytes_per_rank_and_window", static_cast<double>(link_sums[1]) / size / windows);
+    coupling.set("predictor_messages_per_rank_and_window", static_cast<double>(link_sums[2]) / size / windows);
+    coupling.set("waiting_seconds_mean_per_rank", waiting / size);
+  } else {
+    json.object("coupling").set("windows", 0).set("messages_per_rank_and_window_mean", 0.0).set("body_bytes", 0);
+  }
+  json.set("warnings", simulation_.warnings());
+  return json;
+}
+
+}  // namespace embacle::mps

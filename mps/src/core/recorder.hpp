@@ -1,0 +1,60 @@
+// Writes what a run produces, when it is due: fields, bodies, gauges, energies, progress, summary.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/diagnostics.hpp"
+#include "output/csv.hpp"
+#include "output/fields.hpp"
+#include "output/summary.hpp"
+
+namespace embacle::mps {
+
+class Recorder {
+ public:
+  /// Creates the output folder. Collective.
+  Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder);
+
+  /// Writes what is due at the present time. Collective.
+  void record(bool last);
+  /// Everything about the run except what the caller adds; valid on every rank. Collective.
+  [[nodiscard]] Json summary(const coupling::FluidLink* link, double wall_seconds);
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  /// When something is due: multiples of an interval.
+  struct Clock {
+    double every = 0;
+    std::int64_t next = 0;
+    bool due(double time, double tolerance) {
+      if (every > 0 && time + tolerance < static_cast<double>(next) * every) return false;
+      next = every > 0 ? static_cast<std::int64_t>((time + tolerance) / every) + 1 : next + 1;
+      return true;
+    }
+  };
+  void write_fields();
+  void write_bodies();
+  void write_gauges();
+  void write_energies();
+  void write_stage() const;  ///< stage.json: what pictures need to know of the scene
+  void show_progress(bool last);
+
+  const Scene& scene_;
+  Simulation& simulation_;
+  std::filesystem::path folder_;
+  int rank_ = 0;
+  std::unique_ptr<FieldWriter> fields_;
+  std::unique_ptr<CsvWriter> bodies_, energies_;
+  std::vector<std::unique_ptr<CsvWriter>> gauges_;
+  Clock fields_clock_, bodies_clock_, gauges_clock_, energies_clock_;
+  std::size_t next_picture_ = 0;
+  WaterState start_, now_;
+  double largest_energy_gain_ = 0;
+  std::int64_t most_outside_ = 0, most_inside_ = 0;
+  double deepest_ = 0;
+  double began_, last_shown_ = -1e300;
+};
+
+}  // namespace embacle::mps

@@ -1,0 +1,356 @@
+#include "core/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/filling.hpp"
+
+namespace embacle::mps {
+
+using Timer = Phases::Timer;
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The time step. A leapfrog whose sweeps all use the same positions, so that one neighbour geometry serves a step:
+// positions, then density and pressure, then velocities (docs/numerics.md).
+
+void Simulation::step(double share_of_window) {
+  move(constants_.step);
+  synchronise();
+  if (!lists_valid_) {
+    find_neighbours();
+  } else {
+    const Timer timer(phases_, Phase::halo);
+    halo_.update_motion(particles_);
+  }
+  {
+    const Timer timer(phases_, Phase::continuity);
+    advance_density(particles_, neighbours_, constants_, density_rate_);
+  }
+  evaluate_forces();
+  integrate_velocities();
+  if (bodies_) {
+    const Timer timer(phases_, Phase::bodies);
+    auto load = bodies_->partial_loads(particles_, reaction_);
+    for (std::size_t b = 0; b < load.size(); ++b) {
+      window_load_[b].force += share_of_window * load[b].force;
+      window_load_[b].torque += share_of_window * load[b].torque;
+    }
+    if (scene_.coupling.predictor && steps_per_window_ > 1) {
+      link_->sum_over_sharers(load);
+      bodies_->predict(load, constants_.step);
+    }
+  }
+  time_ += constants_.step;
+  ++counters_.steps;
+}
+
+void Simulation::window() {
+  if (bodies_) window_load_.assign(bodies_->count(), {});
+  window_momentum_change_ = window_reaction_ = {};
+  for (int s = 0; s < steps_per_window_; ++s) step(1.0 / steps_per_window_);
+  if (bodies_) {
+    const Timer timer(phases_, Phase::coupling);
+    std::vector<coupling::BodyPressures> pressures;
+    if (link_->surface_pressures_due()) pressures = bodies_->surface_pressures(particles_);
+    link_->send_loads(window_load_, pressures);
+    link_->receive_states();
+    bodies_->assign(link_->bodies());
+  }
+  if (scene_.output.audit) check_window();
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+void Simulation::move(double step) {
+  const Timer timer(phases_, Phase::integration);
+  for (std::size_t i = 0; i < particles_.water; ++i) {
+    Record& record = particles_.record[i];
+    for (int c = 0; c < 3; ++c) record.x[c] += step * record.v[c];
+  }
+  if (walls_.any_moves()) {
+    std::vector<Vec3d> velocity(walls_.count());
+    for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time_, step);
+    for (std::size_t j = particles_.water; j < particles_.own(); ++j) {
+      const int owner = particles_.identity[j].owner;
+      if (owner >= walls_.count()) continue;
+      Record& record = particles_.record[j];
+      for (int c = 0; c < 3; ++c) {
+        record.v[c] = velocity[owner][c];
+        record.x[c] += step * record.v[c];
+      }
+    }
+  }
+  if (bodies_) {
+    bodies_->drift(step);
+    bodies_->place_points(particles_);
+  }
+}
+
+void Simulation::synchronise() {
+  double displacement = 0;
+  if (lists_valid_) {
+    const Timer timer(phases_, Phase::integration);
+    double square = 0;
+    for (std::size_t i = 0; i < particles_.own(); ++i) {
+      double moved = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double d = particles_.record[i].x[c] - build_position_[i][c];
+        moved += d * d;
+      }
+      square = std::max(square, moved);
+    }
+    displacement = std::sqrt(square);
+  }
+  const Timer timer(phases_, Phase::synchronisation);
+  // Agreed by one reduction: the largest displacement, and the lowest rank that has found a failure.
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  double local[2] = {displacement, failure_.empty() ? 0.0 : static_cast<double>(size - rank_)};
+  double global[2];
+  MPI_Allreduce(local, global, 2, MPI_DOUBLE, MPI_MAX, comm_);
+  if (global[1] > 0) {
+    if (static_cast<int>(global[1]) == size - rank_) throw coupling::InstabilityError(failure_);
+    MPI_Barrier(comm_);  // the rank that speaks ends the run
+  }
+  if (global[0] > 0.5 * constants_.skin) lists_valid_ = false;
+}
+
+void Simulation::find_neighbours() {
+  const double reach = constants_.support + constants_.skin;
+  {
+    const Timer timer(phases_, Phase::search);
+    auto water = own_water();
+    halo_.migrate(decomposition_, reach, anywhere_, water);
+    auto solid = own_walls();
+    if (anywhere_ || walls_.any_moves()) halo_.migrate(decomposition_, reach, anywhere_, solid);
+    anywhere_ = false;
+    if (bodies_) bodies_->collect_points(decomposition_.own(), solid);
+    const auto order = Neighbours::cell_order(water, 0.5 * reach);
+    std::vector<Traveller> sorted(water.size());
+    for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = water[order[i]];
+    particles_.assign(sorted, solid);
+  }
+  {
+    const Timer timer(phases_, Phase::halo);
+    halo_.build(decomposition_, reach, particles_);
+  }
+  const Timer timer(phases_, Phase::search);
+  if (bodies_) bodies_->resolve_owners(particles_);
+  neighbours_.build(particles_, walls_, walls_.thin_walls(time_ + (started_ ? constants_.step : 0.0)));
+  build_position_.resize(particles_.own());
+  for (std::size_t i = 0; i < particles_.own(); ++i) {
+    for (int c = 0; c < 3; ++c) build_position_[i][c] = particles_.record[i].x[c];
+  }
+  lists_valid_ = true;
+  ++counters_.builds;
+}
+
+void Simulation::evaluate_forces() {
+  {
+    const Timer timer(phases_, Phase::halo);
+    halo_.update_water_state(particles_);
+  }
+  {
+    const Timer timer(phases_, Phase::walls);
+    if (bodies_) bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
+    extrapolate_pressure(particles_, neighbours_, constants_, point_acceleration_);
+  }
+  {
+    const Timer timer(phases_, Phase::halo);
+    halo_.update_solid_pressure(particles_);
+  }
+  const Timer timer(phases_, Phase::forces);
+  accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
+}
+
+void Simulation::integrate_velocities() {
+  const Timer timer(phases_, Phase::integration);
+  double speed_square = 0, compression = 0, pressure = 0;
+  for (std::size_t i = 0; i < particles_.water; ++i) {
+    Record& record = particles_.record[i];
+    double square = 0;
+    for (int c = 0; c < 3; ++c) {
+      record.v[c] += constants_.step * acceleration_[i][c];
+      square += record.v[c] * record.v[c];
+    }
+    speed_square = std::max(speed_square, square);
+    compression = std::max(compression, std::abs(record.s - 1.0));
+    pressure = std::max(pressure, record.p);
+    const bool inside = [&] {
+      for (int c = 0; c < constants_.dimension; ++c) {
+        if (record.x[c] < scene_.domain.lower[c] || record.x[c] > scene_.domain.upper[c]) return false;
+      }
+      return true;
+    }();
+    const bool sane = square < constants_.sound_speed * constants_.sound_speed && record.s > 0.5 && record.s < 2.0;
+    if ((!inside || !sane) && failure_.empty()) {
+      failure_ = fmt::format(
+          "step {}, t = {:.6g} s: water particle {} at ({:.5g}, {:.5g}, {:.5g}) m {}: speed {:.4g} m/s (sound speed {:.4g}), "
+          "density {:.4g} of rest",
+          counters_.steps, time_, particles_.identity[i].id, record.x[0], record.x[1], record.x[2],
+          inside ? "is unstable" : "left the domain", std::sqrt(square), constants_.sound_speed, record.s);
+    }
+  }
+  if (scene_.output.audit) {
+    for (const Triple& a : acceleration_) {
+      for (int c = 0; c < 3; ++c) window_momentum_change_[c] += constants_.particle_mass * constants_.step * a[c];
+    }
+    for (const Triple& r : reaction_) {
+      for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * r[c];
+    }
+  }
+  extremes_.speed = std::max(extremes_.speed, std::sqrt(speed_square));
+  extremes_.compression = std::max(extremes_.compression, compression);
+  extremes_.pressure = std::max(extremes_.pressure, pressure);
+  counters_.water_updates += static_cast<std::int64_t>(particles_.water);
+  counters_.particle_updates += static_cast<std::int64_t>(particles_.water + neighbours_.wet_points().size());
+  counters_.pair_sweeps += static_cast<std::int64_t>(2 * neighbours_.pairs());
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link)
+    : scene_(scene),
+      comm_(comm),
+      link_(link),
+      constants_(constants_of(scene)),
+      walls_(scene, scene.dimension, constants_.layers),
+      decomposition_(comm),
+      halo_(comm),
+      neighbours_(scene.dimension, constants_.support + constants_.skin),
+      steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
+  MPI_Comm_rank(comm, &rank_);
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  InitialParticles initial = fill(scene, constants_, walls_, rank_, size);
+  warnings_ = std::move(initial.warnings);
+  particles_.assign(initial.water, initial.walls);
+  if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
+  decompose();
+}
+
+int Simulation::begin_epoch(int wanted_windows) {
+  int windows = wanted_windows;
+  if (wanted_windows > 0 && started_) {
+    // Work of a rank: what its sweeps go through.
+    const double work = static_cast<double>(neighbours_.pairs() + 8 * particles_.own());
+    double sum = 0, largest = 0;
+    int size = 1;
+    MPI_Comm_size(comm_, &size);
+    MPI_Allreduce(&work, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    MPI_Allreduce(&work, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    imbalance_ = sum > 0 ? largest * size / sum : 1.0;
+    if (imbalance_ > scene_.numerics.rebalance_imbalance) decompose();
+  }
+  if (link_ != nullptr) {
+    const Timer timer(phases_, Phase::coupling);
+    coupling::Epoch proposal{wanted_windows, window_length(), time_, false};
+    windows = link_->plan(decomposition_.own(), proposal).windows;
+    if (windows > 0) {
+      bodies_->assign(link_->bodies());
+      lists_valid_ = false;
+    }
+  }
+  if (!started_ && windows > 0) {
+    find_neighbours();
+    if (bodies_) {
+      remove_water_in_bodies();
+      find_neighbours();
+      if (scene_.coupling.scheme == Scheme::parallel) {  // the solids start from the load at rest
+        evaluate_forces();
+        link_->send_loads(bodies_->partial_loads(particles_, reaction_));
+      }
+    }
+    started_ = true;
+  }
+  return windows;
+}
+
+void Simulation::decompose() {
+  const Timer timer(phases_, Phase::search);
+  std::vector<double> positions;
+  std::vector<float> weights;
+  positions.reserve(3 * particles_.own());
+  for (std::size_t i = 0; i < particles_.own(); ++i) {
+    if (particles_.identity[i].owner >= walls_.count()) continue;
+    const double* x = particles_.record[i].x;
+    positions.insert(positions.end(), x, x + 3);
+    weights.push_back(i < particles_.water ? 1.0F : 0.02F);
+  }
+  for (const std::uint32_t b : neighbours_.wet_points()) {
+    const std::size_t k = b - particles_.water;  // walls stand in front of the body points
+    if (particles_.water + k < weights.size()) weights[particles_.water + k] = 0.3F;
+  }
+  decomposition_.partition(scene_.dimension, positions, weights);
+  anywhere_ = true;
+  lists_valid_ = false;
+  ++counters_.decompositions;
+}
+
+void Simulation::remove_water_in_bodies() {
+  auto water = own_water();
+  const auto before = water.size();
+  // A water particle keeps half its distance from a surface, whose points are inset by another half.
+  std::erase_if(water, [&](const Traveller& traveller) {
+    return bodies_->covers(traveller.record.x, -0.45 * constants_.particle_distance);
+  });
+  std::int64_t removed = static_cast<std::int64_t>(before - water.size());
+  MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);
+  particles_.assign(water, own_walls());
+}
+
+std::vector<Traveller> Simulation::own_water() const {
+  std::vector<Traveller> result(particles_.water);
+  for (std::size_t i = 0; i < particles_.water; ++i) result[i] = {particles_.record[i], particles_.identity[i]};
+  return result;
+}
+
+std::vector<Traveller> Simulation::own_walls() const {
+  std::vector<Traveller> result;
+  for (std::size_t j = particles_.water; j < particles_.own(); ++j) {
+    if (particles_.identity[j].owner < walls_.count()) result.push_back({particles_.record[j], particles_.identity[j]});
+  }
+  return result;
+}
+
+/// Conservation over the window just finished. The momentum of the water may change by gravity and by the walls and
+/// bodies only; the loads that the solids applied must be the reaction that the water felt.
+void Simulation::check_window() {
+  double sums[12] = {};
+  const double mass = constants_.particle_mass * static_cast<double>(particles_.water);
+  for (int c = 0; c < 3; ++c) {
+    sums[c] = window_momentum_change_[c] + window_reaction_[c] - mass * window_length() * constants_.gravity[c];
+  }
+  if (bodies_) {
+    for (std::size_t b = 0; b < bodies_->count(); ++b) {
+      const auto& body = bodies_->all()[b];
+      for (int c = 0; c < 3; ++c) {
+        sums[3 + c] += window_load_[b].force[c];
+        if (body.sharers.empty() || body.sharers.front() == rank_) sums[6 + c] += body.applied.force[c];
+      }
+    }
+  }
+  sums[9] = mass;
+  double total[12];
+  MPI_Allreduce(sums, total, 12, MPI_DOUBLE, MPI_SUM, comm_);
+  const auto norm = [](const double* v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
+  const double difference[3] = {total[3] - total[6], total[4] - total[7], total[5] - total[8]};
+  if (norm(total + 3) > 0 && scene_.coupling.scheme == Scheme::serial) {
+    worst_audit_.reaction_mismatch = std::max(worst_audit_.reaction_mismatch, norm(difference) / norm(total + 3));
+  }
+  const double weight = total[9] * window_length() * norm(constants_.gravity);
+  if (weight > 0) worst_audit_.momentum_residual = std::max(worst_audit_.momentum_residual, norm(total) / weight);
+  for (std::size_t i = 0; bodies_ && i < particles_.water; ++i) {
+    extremes_.body_penetration = std::max(extremes_.body_penetration, bodies_->penetration(particles_.record[i].x));
+  }
+}
+
+std::size_t Simulation::bytes() const {
+  return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
+         (acceleration_.capacity() + reaction_.capacity() + build_position_.capacity()) * sizeof(Triple) +
+         density_rate_.capacity() * sizeof(double) + (bodies_ ? bodies_->bytes() : 0);
+}
+
+}  // namespace embacle::mps

@@ -1,0 +1,120 @@
+// The water of one rank and its time step.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/bodies.hpp"
+#include "core/constants.hpp"
+#include "core/decomposition.hpp"
+#include "core/halo.hpp"
+#include "core/neighbours.hpp"
+#include "core/operators.hpp"
+#include "core/phases.hpp"
+#include "core/walls.hpp"
+#include "embacle/coupling/link.hpp"
+
+namespace embacle::mps {
+
+/// Largest values seen since the start, over this rank's particles.
+struct Extremes {
+  double speed = 0;            ///< [m/s]
+  double compression = 0;      ///< |rho/rho0 - 1|
+  double pressure = 0;         ///< [Pa]
+  double body_penetration = -1e300;  ///< deepest place of a water particle below the surface of a body [m]
+};
+
+/// Counted since the start on this rank.
+struct Counters {
+  std::int64_t steps = 0;
+  std::int64_t builds = 0;
+  std::int64_t decompositions = 0;
+  std::int64_t water_updates = 0;      ///< own water particles times steps
+  std::int64_t particle_updates = 0;   ///< own water and wet solid points times steps
+  std::int64_t pair_sweeps = 0;        ///< listed directed pairs (skin and padding included) times sweeps
+};
+
+/// Conservation over one window, over all ranks (see Simulation::audit).
+struct Audit {
+  double reaction_mismatch = 0;   ///< |loads applied by the solids - reaction on the water| / |reaction|
+  double momentum_residual = 0;   ///< |change of momentum - gravity - walls - bodies| / (weight x time)
+};
+
+class Simulation {
+ public:
+  /// `link`: null for a scene without bodies. Collective.
+  Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link);
+
+  /// Starts an epoch: a new decomposition if the work has become uneven, and with solids a new plan of the coupling.
+  /// Returns the number of windows to run; `wanted` is 0 to finish. Collective.
+  int begin_epoch(int wanted_windows);
+  /// One window: the scene's steps per window, then the exchange with the solids.
+  void window();
+
+  [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] double window_length() const { return constants_.step * steps_per_window_; }
+  [[nodiscard]] const Constants& constants() const { return constants_; }
+  [[nodiscard]] const Particles& particles() const { return particles_; }
+  [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
+  [[nodiscard]] const Bodies* bodies() const { return bodies_ ? &*bodies_ : nullptr; }
+  [[nodiscard]] const Walls& walls() const { return walls_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] const Extremes& extremes() const { return extremes_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] const Audit& worst_audit() const { return worst_audit_; }
+  [[nodiscard]] const Halo& halo() const { return halo_; }
+  [[nodiscard]] Phases& phases() { return phases_; }
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  /// Largest work of a rank over the mean, at the last epoch.
+  [[nodiscard]] double imbalance() const { return imbalance_; }
+  [[nodiscard]] std::int64_t removed_at_start() const { return removed_at_start_; }
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  void step(double share_of_window);
+  void move(double step);
+  void synchronise();  ///< agrees on stale lists and on failures
+  void find_neighbours();
+  void evaluate_forces();
+  void integrate_velocities();
+  void decompose();
+  void remove_water_in_bodies();
+  void check_window();
+  [[nodiscard]] std::vector<Traveller> own_water() const;
+  [[nodiscard]] std::vector<Traveller> own_walls() const;
+
+  const Scene& scene_;
+  MPI_Comm comm_;
+  int rank_ = 0;
+  coupling::FluidLink* link_;
+  Constants constants_;
+  Walls walls_;
+  Decomposition decomposition_;
+  Halo halo_;
+  Neighbours neighbours_;
+  Particles particles_;
+  std::optional<Bodies> bodies_;
+  int steps_per_window_ = 1;
+
+  std::vector<double> density_rate_;
+  std::vector<Triple> acceleration_, reaction_, point_acceleration_;
+  std::vector<Triple> build_position_;        ///< of own particles when the lists were built
+  std::vector<coupling::Load> window_load_;   ///< mean partial load over the window so far
+  bool lists_valid_ = false;
+  bool anywhere_ = true;                      ///< the next migration follows a new decomposition
+  double time_ = 0;
+  double imbalance_ = 1;
+  std::int64_t removed_at_start_ = 0;
+  bool started_ = false;
+  std::string failure_;                       ///< set by the rank that finds the simulation broken
+  Triple window_momentum_change_{}, window_reaction_{};
+  std::vector<std::string> warnings_;
+  Extremes extremes_;
+  Counters counters_;
+  Audit worst_audit_;
+  Phases phases_;
+};
+
+}  // namespace embacle::mps

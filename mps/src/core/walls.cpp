@@ -1,0 +1,193 @@
+#include "core/walls.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace embacle::mps {
+
+Vec3d displacement(const Motion& motion, double time) {
+  Vec3d result{};
+  if (motion.table.empty()) {
+    const double active = std::clamp(time, motion.start, motion.stop) - motion.start;
+    for (int c = 0; c < 3; ++c) result[c] = motion.velocity[c] * active;
+    return result;
+  }
+  const auto& table = motion.table;
+  const auto next = std::upper_bound(table.begin(), table.end(), time,
+                                     [](double value, const auto& row) { return value < row.first; });
+  if (next == table.begin()) return table.front().second;
+  if (next == table.end()) return table.back().second;
+  const auto& before = *(next - 1);
+  const double share = (time - before.first) / (next->first - before.first);
+  for (int c = 0; c < 3; ++c) result[c] = before.second[c] + share * (next->second[c] - before.second[c]);
+  return result;
+}
+
+std::vector<double> fitted_lattice(double lower, double upper, double spacing) {
+  const int n = std::max(1, static_cast<int>(std::lround((upper - lower) / spacing)));
+  std::vector<double> centres(n);
+  for (int i = 0; i < n; ++i) centres[i] = lower + (i + 0.5) * (upper - lower) / n;
+  return centres;
+}
+
+Walls::Walls(const Scene& scene, int dimension, int layers)
+    : walls_(scene.walls),
+      dimension_(dimension),
+      layers_(layers),
+      particle_distance_(scene.numerics.particle_distance) {
+  int thin = 0;
+  for (const Wall& wall : walls_) {
+    any_moves_ = any_moves_ || (wall.motion && wall.motion->moves());
+    int axis = -1;
+    if (wall.kind == Wall::Kind::box) {
+      for (int c = 0; c < dimension; ++c) {
+        const double thickness = wall.region.upper[c] - wall.region.lower[c];
+        const bool thinnest = axis < 0 || thickness < wall.region.upper[axis] - wall.region.lower[axis];
+        if (thickness < (layers - 0.5) * particle_distance_ && thinnest) axis = c;
+      }
+    }
+    thin_axis_.push_back(axis);
+    thin_index_.push_back(axis < 0 ? -1 : thin++);
+  }
+}
+
+Vec3d Walls::velocity(int wall, double time, double step) const {
+  Vec3d result{};
+  const auto& motion = walls_[wall].motion;
+  if (!motion || !motion->moves()) return result;
+  const Vec3d before = displacement(*motion, time);
+  const Vec3d after = displacement(*motion, time + step);
+  for (int c = 0; c < 3; ++c) result[c] = (after[c] - before[c]) / step;
+  return result;
+}
+
+std::vector<ThinWall> Walls::thin_walls(double time) const {
+  std::vector<ThinWall> result;
+  for (int w = 0; w < count(); ++w) {
+    if (thin_index_[w] < 0) continue;
+    ThinWall thin{thin_axis_[w], walls_[w].region.lower, walls_[w].region.upper};
+    if (walls_[w].motion) {
+      const Vec3d moved = displacement(*walls_[w].motion, time);
+      for (int c = 0; c < 3; ++c) {
+        thin.lower[c] += moved[c];
+        thin.upper[c] += moved[c];
+      }
+    }
+    result.push_back(thin);
+  }
+  return result;
+}
+
+bool Walls::visible(const ThinWall& wall, std::int32_t side, const double* x) {
+  if (side == both) return true;
+  const bool on_plus = x[wall.axis] > wall.middle();
+  if (on_plus != (side > 0)) return false;
+  if (side == plus || side == minus) return true;
+  for (int c = 0; c < 3; ++c) {  // extra layers are seen only from in front of the wall, not past its edges
+    if (c != wall.axis && wall.upper[c] > wall.lower[c] && (x[c] < wall.lower[c] || x[c] > wall.upper[c])) return false;
+  }
+  return true;
+}
+
+bool Walls::separates(const ThinWall& wall, const double* a, const double* b, int dimension) {
+  const double da = a[wall.axis] - wall.middle();
+  const double db = b[wall.axis] - wall.middle();
+  if ((da > 0) == (db > 0)) return false;
+  const double share = da / (da - db);
+  for (int c = 0; c < dimension; ++c) {
+    if (c == wall.axis) continue;
+    const double crossing = a[c] + share * (b[c] - a[c]);
+    if (crossing < wall.lower[c] || crossing > wall.upper[c]) return false;
+  }
+  return true;
+}
+
+std::vector<Walls::Point> Walls::points(int wall) const {
+  return walls_[wall].kind == Wall::Kind::tank ? tank_points(walls_[wall]) : box_points(walls_[wall]);
+}
+
+std::vector<Walls::Point> Walls::tank_points(const Wall& wall) const {
+  const char* const axis_name = "xyz";
+  std::array<std::vector<double>, 3> lattice;
+  std::array<std::vector<char>, 3> outside;
+  for (int c = 0; c < 3; ++c) {
+    if (c >= dimension_) {
+      lattice[c] = {0.0};
+      outside[c] = {0};
+      continue;
+    }
+    const double lower = wall.region.lower[c];
+    const double upper = wall.region.upper[c];
+    const auto is_open = [&](char sign) {
+      return std::find(wall.open.begin(), wall.open.end(), std::string{axis_name[c], sign}) != wall.open.end();
+    };
+    if (!is_open('-')) {
+      for (int k = layers_; k-- > 0;) lattice[c].push_back(lower - (k + 0.5) * particle_distance_);
+    }
+    outside[c].assign(lattice[c].size(), 1);
+    const auto inner = fitted_lattice(lower, upper, particle_distance_);
+    lattice[c].insert(lattice[c].end(), inner.begin(), inner.end());
+    outside[c].resize(lattice[c].size(), 0);
+    if (!is_open('+')) {
+      for (int k = 0; k < layers_; ++k) lattice[c].push_back(upper + (k + 0.5) * particle_distance_);
+    }
+    outside[c].resize(lattice[c].size(), 1);
+  }
+  std::vector<Point> result;
+  for (std::size_t k = 0; k < lattice[2].size(); ++k) {
+    for (std::size_t j = 0; j < lattice[1].size(); ++j) {
+      for (std::size_t i = 0; i < lattice[0].size(); ++i) {
+        if (outside[0][i] || outside[1][j] || outside[2][k]) {
+          result.push_back({{lattice[0][i], lattice[1][j], lattice[2][k]}, both});
+        }
+      }
+    }
+  }
+  return result;
+}
+
+std::vector<Walls::Point> Walls::box_points(const Wall& wall) const {
+  const int index = static_cast<int>(&wall - walls_.data());
+  const int thin_axis = thin_axis_[index];
+  std::array<std::vector<double>, 3> lattice;
+  for (int c = 0; c < 3; ++c) {
+    lattice[c] = c < dimension_ ? fitted_lattice(wall.region.lower[c], wall.region.upper[c], particle_distance_)
+                                : std::vector<double>{0.0};
+  }
+  std::vector<Point> result;
+  const auto emit = [&](const std::vector<double>& along_thin, std::int32_t side) {
+    auto sites = lattice;
+    if (thin_axis >= 0) sites[thin_axis] = along_thin;
+    for (const double z : sites[2]) {
+      for (const double y : sites[1]) {
+        for (const double x : sites[0]) result.push_back({{x, y, z}, side});
+      }
+    }
+  };
+  if (thin_axis < 0) {
+    const double depth = layers_ * particle_distance_;  // deeper points cannot be felt
+    emit({}, both);
+    std::erase_if(result, [&](const Point& point) {
+      double distance = 1e300;
+      for (int c = 0; c < dimension_; ++c) {
+        distance = std::min({distance, point.x[c] - wall.region.lower[c], wall.region.upper[c] - point.x[c]});
+      }
+      return distance > depth;
+    });
+    return result;
+  }
+  const auto& core = lattice[thin_axis];
+  const int missing = std::max(0, layers_ - static_cast<int>(core.size()));
+  std::vector<double> behind_plus, behind_minus;
+  for (int k = 1; k <= missing; ++k) {
+    behind_plus.push_back(core.front() - k * particle_distance_);
+    behind_minus.push_back(core.back() + k * particle_distance_);
+  }
+  emit(core, plus);
+  emit(core, minus);
+  emit(behind_plus, plus_extra);
+  emit(behind_minus, minus_extra);
+  return result;
+}
+
+}  // namespace embacle::mps

@@ -1,0 +1,70 @@
+// The program `mps`: the water of a scene, alone or coupled with LIGGGHTS on other ranks of the same mpirun.
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include "core/application.hpp"
+#include "scene/reader.hpp"
+
+namespace {
+
+using embacle::mps::Options;
+
+void run(const Options& options, int rank) {
+  namespace coupling = embacle::coupling;
+  const embacle::mps::Scene scene = embacle::mps::read_scene(options.scene, options.overrides);
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  switch (options.task) {
+    case Options::Task::check:
+      if (rank == 0) fmt::print("{}", embacle::mps::check_report(scene, ranks));
+      return;
+    case Options::Task::explain:
+      if (rank == 0) fmt::print("{}", embacle::mps::explain_report(scene));
+      return;
+    case Options::Task::launch:
+      if (rank == 0) fmt::print("{}", embacle::mps::launch_report(scene));
+      return;
+    default:
+      break;
+  }
+  MPI_Comm own = MPI_COMM_NULL;
+  coupling::Participants participants;
+  participants = coupling::split_world(coupling::Role::fluid, own);
+  if (scene.coupled() && participants.solid_ranks.empty()) {
+    throw coupling::InputError(fmt::format(
+        "{} has solids ({}), but no liggghts-mps runs in this mpirun; start it with './embacle run' or as "
+        "'mpirun -n F mps ... : -n S liggghts-mps -in {}'",
+        scene.file.string(), scene.coupling.script.filename().string(), scene.coupling.script.string()));
+  }
+  embacle::mps::Json summary =
+      embacle::mps::run_water(scene, options.out, scene.coupled() ? &participants : nullptr, own);
+  int own_rank = 0;
+  MPI_Comm_rank(own, &own_rank);
+  if (own_rank == 0) {
+    summary.set("layout", scene.coupled() ? "separate" : "fluid only");
+    summary.set("solid_ranks", static_cast<std::int64_t>(participants.solid_ranks.size()));
+    embacle::mps::write_json(options.out / "summary.json", summary);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const Options options = embacle::mps::parse_options(
+        argc, argv, "mps", "Weakly compressible MPS: free-surface water, alone or coupled with LIGGGHTS bodies");
+    if (options.task == Options::Task::leave) return 0;
+    if (options.task == Options::Task::reference) {
+      fmt::print("{}", embacle::mps::scene_reference());
+      return 0;
+    }
+    MPI_Init(&argc, &argv);
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    run(options, rank);
+    MPI_Finalize();
+    return 0;
+  } catch (const std::exception& error) {
+    embacle::mps::end_run("mps", error);
+  }
+}
