@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Pictures of a run: the water, the bodies and the walls from the front, as in laboratory photographs, and from above.
 
-Writes RUN/pictures/<time>s.png, one for each time of the scene's `pictures` (or each frame), and contact-sheet.png.
+Writes RUN/pictures/<time>s.png, one for each time of the scene's `pictures` (without these: up to 12 frames), and
+contact-sheet.png.
 """
 import argparse
 import os
@@ -185,9 +186,9 @@ def draw_walls(axes, scene, view, time):
     for wall in scene.shapes.get("walls", []):
         lower, upper = view.box(*wall_box(wall, time))
         if wall["kind"] == "tank":
-            open_sides = wall.get("open", [])
+            open_sides = wall.get("open")
             axis = int(np.argmax(np.abs(view.axes[1])))
-            top_open = ("xyz"[axis] + ("+" if view.axes[1][axis] > 0 else "-")) in open_sides
+            top_open = open_sides is None or ("xyz"[axis] + ("+" if view.axes[1][axis] > 0 else "-")) in open_sides
             x, y = [lower[0], lower[0], upper[0], upper[0]], [upper[1], lower[1], lower[1], upper[1]]
             if not top_open:
                 x, y = x + [lower[0]], y + [upper[1]]
@@ -287,7 +288,9 @@ def colour_range(scene, indices, quantity):
 def chosen_frames(scene, times):
     if times == "all":
         return list(range(len(scene.frames.times)))
-    wanted = scene.shapes.get("pictures") or scene.frames.times if times is None else times
+    wanted = scene.shapes.get("pictures") if times is None else times
+    if not wanted:
+        return sorted(set(np.linspace(0, len(scene.frames.times) - 1, 12).round().astype(int).tolist()))
     reached = [time for time in wanted if time <= scene.frames.times[-1] + 1e-9] or [scene.frames.times[-1]]
     return sorted({scene.frames.nearest(time) for time in reached})
 
@@ -301,7 +304,7 @@ def main():
     parser.add_argument("run", metavar="RUN", help="output folder of a run")
     parser.add_argument("--by", choices=["speed", "pressure"], default="speed", help="what colours the water")
     parser.add_argument("--times", type=times_option, help="times [s], separated by commas, or `all` for every frame; "
-                        "default: the scene's `pictures`, or every frame")
+                        "default: the scene's `pictures`, or up to 12 frames spread over the run")
     parser.add_argument("--out", help="folder for the pictures (default: RUN/pictures)")
     options = parser.parse_args()
 

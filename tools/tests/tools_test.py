@@ -1,0 +1,234 @@
+#!/usr/bin/python3
+"""Tests of the scripts in tools/, on small run folders made here."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+TOOLS = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(TOOLS))
+
+import matplotlib.pyplot as plt  # noqa: E402
+import paths  # noqa: E402
+import pictures  # noqa: E402
+import run_folder  # noqa: E402
+
+STARTS = [(0.04, 0.04), (0.11, 0.04), (0.04, 0.11), (0.11, 0.11)]  # x, y of tags 1 to 4: B1, B2, A1, A2
+HEADER = ("t [s],tag [-],x [m],y [m],z [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],wy [rad/s],"
+          "wz [rad/s],fx [N],fy [N],fz [N],tx [N m],ty [N m],tz [N m]\n")
+
+
+def make_run(folder, dimension=3, shape=None):
+    """Water at rest in a tank, a gate that rises at 0.4 m/s, and four blocks that move by 0.1 m in the first second and
+    back by 0.05 m in the next half."""
+    up = 2 if dimension == 3 else 1
+    gravity = [0.0, 0.0, 0.0]
+    gravity[up] = -9.81
+    upper = [0.6, 0.15, 0.3] if dimension == 3 else [0.6, 0.3, 0.0]
+    gate = {"name": "gate", "kind": "box", "lower": [0.15, 0, 0], "upper": [0.16, *upper[1:]], "velocity": [0, 0, 0],
+            "start": 0, "stop": 1e30}
+    gate["velocity"][up] = 0.4
+    stage = {"gravity": gravity, "dimension": dimension, "particle_distance": 0.01, "pictures": [0, 0.5],
+             "domain": {"lower": [-0.02] * 3, "upper": [0.7] * 3},
+             "walls": [{"name": "tank", "kind": "tank", "lower": [0, 0, 0], "upper": upper, "velocity": [0, 0, 0],
+                        "start": 0, "stop": 1e30}, gate],
+             "shapes": [shape or {"kind": "box", "size": [0.06, 0.06, 0.02]}],
+             "bodies": [{"tag": tag, "shape": 0} for tag in range(1, 5)],
+             "parameters": {"blocks": 4, "depth": 0.01}}
+    (folder / "shapes.json").write_text(json.dumps(stage))
+
+    with open(folder / "bodies.csv", "w", encoding="utf-8") as file:
+        file.write(HEADER)
+        for t in np.arange(0, 1.501, 0.01):
+            moved = 0.1 * t if t <= 1 else 0.1 - 0.1 * (t - 1)
+            for tag, (x, y) in enumerate(STARTS, start=1):
+                place = [x + moved, y, 0.1] if dimension == 3 else [x + moved, 0.1 + 0.5 * y, 0]
+                file.write(",".join(f"{v:.9g}" for v in [t, tag, *place, 1, 0, 0, 0] + 12 * [0]) + "\n")
+
+    ranges = [np.arange(0.005, 0.15, 0.01), np.arange(0.005, upper[1] if dimension == 3 else 0.1, 0.01),
+              np.arange(0.005, 0.1, 0.01) if dimension == 3 else [0.0]]
+    water = np.stack(np.meshgrid(*ranges, indexing="ij"), -1).reshape(-1, 3).astype(np.float32)
+    (folder / "fields").mkdir()
+    times = np.array([0, 0.5, 1.0])
+    with h5py.File(folder / "fields.h5", "w") as master:
+        master["times"] = times
+        for k in range(len(times)):
+            with h5py.File(folder / f"fields/{k:06}.h5", "w") as frame:
+                frame["position"] = water
+                frame["velocity"] = np.full_like(water, 0.1 * k)
+                frame["pressure"] = np.full(len(water), 100.0 * k, np.float32)
+                frame["type"] = np.zeros(len(water), np.int8)
+            master[f"frame_{k:06}"] = h5py.ExternalLink(f"fields/{k:06}.h5", "/")
+
+
+def run(script, *arguments):
+    return subprocess.run([sys.executable, TOOLS / script, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+class RunTest(unittest.TestCase):
+    def setUp(self):
+        self._temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self._temporary.cleanup)
+        self.folder = pathlib.Path(self._temporary.name)
+
+
+class ReadingTest(RunTest):
+    def test_names_follow_the_grid_of_the_start(self):
+        make_run(self.folder)
+        bodies = run_folder.Bodies(str(self.folder))
+        names = run_folder.body_names(run_folder.read_shapes(str(self.folder)), bodies)
+        self.assertEqual(names, {1: "B1", 2: "B2", 3: "A1", 4: "A2"})
+
+    def test_row_of_a_killed_run_is_left_out(self):
+        make_run(self.folder)
+        before = len(run_folder.Bodies(str(self.folder)).times(1))
+        with open(self.folder / "bodies.csv", "a", encoding="utf-8") as file:
+            file.write("1.51,1,0.3")
+        self.assertEqual(len(run_folder.Bodies(str(self.folder)).times(1)), before)
+
+    def test_gate_moves_between_start_and_stop(self):
+        wall = {"lower": [0, 0, 0], "upper": [1, 1, 1], "velocity": [0, 0, 2], "start": 0.5, "stop": 1.0}
+        for time, height in [(0.2, 0), (0.75, 0.5), (3, 1)]:
+            self.assertAlmostEqual(run_folder.wall_box(wall, time)[0][2], height)
+
+    def test_rotation_turns_counter_clockwise(self):
+        quarter = run_folder.rotation(np.array([np.sqrt(0.5), 0, 0, np.sqrt(0.5)]))
+        np.testing.assert_allclose(quarter @ [1, 0, 0], [0, 1, 0], atol=1e-12)
+
+    def test_front_is_seen_with_gravity_down_and_small_y_near(self):
+        for dimension, near in [(3, [0, -1, 0]), (2, [0, 0, 1])]:
+            gravity = [0, 0, -9.81] if dimension == 3 else [0, -9.81, 0]
+            front, above = pictures.views({"gravity": gravity, "dimension": dimension})
+            np.testing.assert_array_equal(front(near), [0, 0, 1])
+            np.testing.assert_array_equal(front(gravity)[:2], [0, -9.81])
+            np.testing.assert_array_equal(above(gravity), [0, 0, -9.81])
+
+    def test_faces_point_outwards_and_close_the_shape(self):
+        for shape, volume in [({"kind": "box", "size": [1, 2, 3]}, 6), ({"kind": "cylinder", "size": [1, 2, 0]}, 2 * np.pi),
+                              ({"kind": "sphere", "size": [1, 0, 0]}, 4 / 3 * np.pi)]:
+            total = 0
+            for face in pictures.faces_of(shape):
+                for a, b in zip(face[1:-1], face[2:]):
+                    total += face[0] @ np.cross(a, b) / 6
+            self.assertAlmostEqual(total / volume, 1, delta=0.05, msg=shape["kind"])
+
+    def test_hidden_particles_are_left_out_and_the_rest_goes_far_to_near(self):
+        points = np.array([[0, 0, 0.0], [0, 0, 5.0], [10, 0, -1.0], [0, 0, 4.9]])
+        self.assertEqual(pictures.visible(points, 1.0).tolist(), [2, 3, 1])
+
+
+class PathsTest(RunTest):
+    BANDS = ("case,body,quantity,low [m],high [m],near time [s],published model [m],published model near time [s],source\n"
+             "blocks=4; depth=0.01,B1,X,0.12,0.20,1.0,0.3,1.1,one\n"
+             "blocks=4; depth=0.01,B2,X,0.30,0.40,,,,two\n"
+             "blocks=9; depth=0.01,B1,X,0.0,0.01,,,,of another case\n")
+
+    def rows(self):
+        with open(self.folder / "displacements.csv", encoding="utf-8") as file:
+            return {row["block"]: row for row in csv.DictReader(file)}
+
+    def test_both_readings_are_judged(self):
+        make_run(self.folder)
+        (self.folder / "bands.csv").write_text(self.BANDS)
+        outcome = run("paths.py", self.folder, "--bands", self.folder / "bands.csv")
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        rows = self.rows()
+        self.assertEqual(list(rows), ["A1", "A2", "B1", "B2"])
+        self.assertAlmostEqual(float(rows["B1"]["largest coordinate [m]"]), 0.14)
+        self.assertAlmostEqual(float(rows["B1"]["largest displacement [m]"]), 0.10)
+        self.assertAlmostEqual(float(rows["B1"]["time of largest displacement [s]"]), 1.0)
+        self.assertEqual(rows["B1"]["coordinate against band"], "inside")
+        self.assertEqual(rows["B1"]["displacement against band"], "0.020 below")
+        self.assertEqual(rows["B2"]["coordinate against band"], "0.090 below")
+        self.assertEqual(rows["A1"]["coordinate against band"], "")
+        self.assertNotIn("of another case", outcome.stdout)
+        self.assertEqual((self.folder / "displacements.md").read_text().strip(), outcome.stdout.strip())
+        self.assertEqual(plt.imread(self.folder / "paths.png").ndim, 3)
+
+    def test_until_limits_the_search(self):
+        make_run(self.folder)
+        self.assertEqual(run("paths.py", self.folder, "--until", 0.5).returncode, 0)
+        self.assertAlmostEqual(float(self.rows()["B1"]["largest displacement [m]"]), 0.05)
+
+    def test_case_without_a_band_is_said(self):
+        make_run(self.folder)
+        (self.folder / "bands.csv").write_text(self.BANDS)
+        outcome = run("paths.py", self.folder, "--bands", self.folder / "bands.csv", "--case", "blocks=5")
+        self.assertIn("No measured band", outcome.stdout)
+
+    def test_errors_name_file_and_line(self):
+        make_run(self.folder)
+        (self.folder / "bands.csv").write_text(self.BANDS.replace("0.30,0.40", "0.30,wide"))
+        for arguments, status, message in [
+                ([self.folder, "--bands", self.folder / "bands.csv"], 2, "bands.csv, line 3: high [m] is 'wide'"),
+                ([self.folder, "--bands", self.folder / "none.csv"], 2, "none.csv is missing"),
+                ([self.folder / "none"], 2, "is not a folder")]:
+            outcome = run("paths.py", *arguments)
+            self.assertEqual(outcome.returncode, status)
+            self.assertIn(message, outcome.stderr)
+            self.assertNotIn("Traceback", outcome.stderr)
+
+    def test_bands_of_the_example_are_readable(self):
+        bands = paths.read_bands(TOOLS.parent / "examples/dam-break-blocks/experiment.csv")
+        self.assertEqual(len(bands), 7)
+        self.assertTrue(all(set(band["conditions"]) == {"blocks", "downstream_depth"} for band in bands))
+
+
+class PicturesTest(RunTest):
+    def colours(self, name):
+        """Shares of the picture that are bluer than red, and the other way round."""
+        image = plt.imread(self.folder / "pictures" / name)
+        bluer = image[:, :, 2] - image[:, :, 0]
+        return np.mean(bluer > 0.1), np.mean(bluer < -0.1)
+
+    def test_chosen_times_and_contact_sheet(self):
+        make_run(self.folder)
+        outcome = run("pictures.py", self.folder)
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder / "pictures")), ["0.000s.png", "0.500s.png", "contact-sheet.png"])
+        slow, fast = self.colours("0.000s.png"), self.colours("0.500s.png")  # blue at rest, yellow at the highest speed
+        self.assertGreater(slow[0], 0.05)
+        self.assertLess(slow[1], 0.02)
+        self.assertGreater(fast[1], 0.05)
+        self.assertLess(fast[0], 0.02)
+
+    def test_two_dimensions_other_shapes_and_pressure(self):
+        for k, shape in enumerate([{"kind": "cylinder", "size": [0.02, 0.02, 0]}, {"kind": "sphere", "size": [0.02, 0, 0]}]):
+            folder = self.folder / str(k)
+            folder.mkdir()
+            make_run(folder, 2, shape)
+            outcome = run("pictures.py", folder, "--by", "pressure", "--times", "all", "--out", folder / "all")
+            self.assertEqual(outcome.returncode, 0, outcome.stderr)
+            self.assertEqual(len(os.listdir(folder / "all")), 4)
+
+    def test_missing_frame_is_an_error_with_its_name(self):
+        make_run(self.folder)
+        os.remove(self.folder / "fields/000001.h5")
+        outcome = run("pictures.py", self.folder)
+        self.assertEqual(outcome.returncode, 2)
+        self.assertIn("fields/000001.h5", outcome.stderr)
+        self.assertNotIn("Traceback", outcome.stderr)
+
+
+class EnergiesTest(RunTest):
+    def test_plot(self):
+        (self.folder / "energies.csv").write_text("t [s],kinetic [J],potential [J],elastic [J],total [J],mass [kg]\n"
+                                                  "0,0,2,0,2,1\n1,1,1,0,2,1\n")
+        self.assertEqual(run("energies.py", self.folder).returncode, 0)
+        self.assertEqual(plt.imread(self.folder / "energies.png").ndim, 3)
+
+    def test_missing_file(self):
+        outcome = run("energies.py", self.folder)
+        self.assertEqual(outcome.returncode, 2)
+        self.assertIn("energies.csv is missing", outcome.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
