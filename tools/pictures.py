@@ -175,7 +175,7 @@ def draw_water(axes, scene, view, position, value, norm, depths):
         colours[:, :3] *= (1 - 0.12 * np.clip(depth, 0, 1))[:, None]
     box = axes.get_window_extent()
     points_per_metre = box.width * 72 / axes.figure.dpi / np.ptp(axes.get_xlim())
-    size = (1.3 * scene.l0 * points_per_metre) ** 2
+    size = (1.4 * scene.l0 * points_per_metre) ** 2
     layer = np.searchsorted(depths, points[:, 2]) if depths else np.zeros(len(points), dtype=int)
     for k in np.unique(layer):
         chosen = layer == k
@@ -186,9 +186,9 @@ def draw_walls(axes, scene, view, time):
     for wall in scene.shapes.get("walls", []):
         lower, upper = view.box(*wall_box(wall, time))
         if wall["kind"] == "tank":
-            open_sides = wall.get("open")
             axis = int(np.argmax(np.abs(view.axes[1])))
-            top_open = open_sides is None or ("xyz"[axis] + ("+" if view.axes[1][axis] > 0 else "-")) in open_sides
+            top = "xyz"[axis] + ("+" if view.axes[1][axis] > 0 else "-")
+            top_open = top in wall["open"] if "open" in wall else view is scene.front
             x, y = [lower[0], lower[0], upper[0], upper[0]], [upper[1], lower[1], lower[1], upper[1]]
             if not top_open:
                 x, y = x + [lower[0]], y + [upper[1]]
