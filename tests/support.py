@@ -35,9 +35,10 @@ def environment():
 
 
 def start(*arguments):
-    """Starts `./embacle ARGUMENTS`."""
+    """Starts `./embacle ARGUMENTS`, which hears SIGINT even where the tests themselves run in the background."""
     return subprocess.Popen([str(FRONT_DOOR), *map(str, arguments)], env=environment(), stdin=subprocess.DEVNULL,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
 
 def finish(process, since, limit):
