@@ -37,14 +37,18 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+/// The items' texts between brackets.
 template <typename Items, typename Text>
-std::string list(const Items& items, const std::string& separator, Text text) {
-  std::string out;
+std::string list(const std::string& open, const Items& items, const std::string& separator, const std::string& close,
+                 Text text) {
+  std::string out = open;
+  bool first = true;
   for (const auto& item : items) {
-    if (!out.empty()) out += separator;
+    if (!first) out += separator;
     out += text(item);
+    first = false;
   }
-  return out;
+  return out += close;
 }
 
 template <class... Ts>
@@ -111,22 +115,18 @@ std::string Json::text(int indent) const {
       [](std::int64_t value) { return std::to_string(value); },
       [](bool value) { return std::string(value ? "true" : "false"); },
       [](const std::string& value) { return quoted(value); },
-      [](const Array& values) { return "[" + list(values, ", ", number) + "]"; },
-      [](const std::vector<std::string>& values) { return "[" + list(values, ", ", quoted) + "]"; },
+      [](const Array& values) { return list("[", values, ", ", "]", number); },
+      [](const std::vector<std::string>& values) { return list("[", values, ", ", "]", quoted); },
       [&](const Objects& objects) {
         if (!objects.array) return objects.items.front().text(indent + 2);
         const std::string deeper = inner + "  ";
-        return "[\n" + deeper +
-               list(objects.items, ",\n" + deeper, [&](const Json& item) { return item.text(indent + 4); }) + "\n" +
-               inner + "]";
+        return list("[\n" + deeper, objects.items, ",\n" + deeper, "\n" + inner + "]",
+                    [&](const Json& item) { return item.text(indent + 4); });
       },
   };
-  return "{\n" +
-         list(members_, ",\n",
-              [&](const auto& member) {
-                return inner + quoted(member.first) + ": " + std::visit(value_text, member.second);
-              }) +
-         "\n" + std::string(static_cast<std::size_t>(indent), ' ') + "}";
+  return list(
+      "{\n", members_, ",\n", "\n" + std::string(static_cast<std::size_t>(indent), ' ') + "}",
+      [&](const auto& member) { return inner + quoted(member.first) + ": " + std::visit(value_text, member.second); });
 }
 
 void write_json(const std::filesystem::path& path, const Json& json) { write_whole_file(path, json.text() + "\n"); }
