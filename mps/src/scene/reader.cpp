@@ -84,22 +84,20 @@ class Reader {
     for (const auto& [key, child] : *table) parameters_[std::string(key.str())].node = &child;
     for (auto& [name, parameter] : parameters_) {
       const std::string path = "parameters." + name;
+      if (!is_identifier(name))
+        document_.report(path, "a parameter's name has letters, digits and _, and no digit in front");
+      else if (!document_.used_parameters().contains(name))
+        document_.report(path, "is not used; write \"$" + name +
+                                   "\" as the value of a key or of a coupling.variables, or remove it");
       try {
-        if (!is_identifier(name))
-          throw ValueError("a parameter's name has letters, digits and _, and no digit in front");
         resolve(name);
-        if (!document_.used_parameters().contains(name))
-          throw ValueError("is not used; write \"$" + name +
-                           "\" as the value of a key or of a coupling.variables, or remove it");
-      } catch (const ValueError& error) {
-        parameter.status = Parameter::failed;
-        document_.report(path, error.what());
       } catch (const AlreadyReported&) {
-        parameter.status = Parameter::failed;
       }
     }
   }
 
+  /// The value of a parameter. Throws ValueError where the reference itself is wrong, and AlreadyReported where the
+  /// parameter's own value is.
   const Parameter& resolve(const std::string& name) {
     const auto found = parameters_.find(name);
     if (found == parameters_.end()) {
@@ -112,23 +110,35 @@ class Reader {
     if (parameter.status == Parameter::resolving) throw ValueError("'$" + name + "' refers to itself");
     if (parameter.status == Parameter::done) return parameter;
     parameter.status = Parameter::resolving;
-    if (const std::string* text = document_.override_of("parameters." + name)) parameter.origin = *text;
+    const std::string path = "parameters." + name;
+    const std::string* own = document_.override_of(path);
+    const std::string outer = std::exchange(origin_, own != nullptr ? *own : "");
+    try {
+      read_parameter(parameter);
+      parameter.status = Parameter::done;
+    } catch (const ValueError& error) {
+      parameter.status = Parameter::failed;
+      report_value(path, error.what());
+    } catch (const AlreadyReported&) {
+      parameter.status = Parameter::failed;
+    }
+    parameter.origin = std::exchange(origin_, outer);
+    if (parameter.status == Parameter::failed) throw AlreadyReported{};
+    return parameter;
+  }
+
+  void read_parameter(Parameter& parameter) {
     if (const auto number = plain_number(*parameter.node)) {
       parameter.number.value = *number;
     } else if (const auto* text = parameter.node->as_string()) {
       const std::string& whole = text->get();
-      if (whole.find('$') != std::string::npos || looks_like_quantity(whole)) {
-        const std::string outer = std::exchange(origin_, parameter.origin);
+      if (whole.find('$') != std::string::npos || looks_like_quantity(whole))
         parameter.number = evaluated(whole, any_quantity);
-        parameter.origin = std::exchange(origin_, outer);
-      } else {
+      else
         parameter.text = whole;
-      }
     } else {
       throw ValueError("expected a number, a quantity or text, found " + what_it_is(*parameter.node));
     }
-    parameter.status = Parameter::done;
-    return parameter;
   }
 
   /// A finite TOML number; throws ValueError for nan and inf.
@@ -159,25 +169,30 @@ class Reader {
     document_.report(path, "found " + what_it_is(node) + "; allowed: " + expectation(key, target, dimension_));
   }
 
+  /// Reports a problem with the value evaluated last; the override of a parameter in it is to blame if there is one.
+  void report_value(const std::string& path, const std::string& problem) {
+    if (!origin_.empty()) document_.note_origin(path, origin_);
+    document_.report(path, problem);
+  }
+
   void read_number(const toml::node& node, const std::string& path, const Key& key, const Target& target, double& out) {
+    origin_.clear();
     try {
       double value = 0;
       if (const auto number = plain_number(node)) {
         value = *number;
       } else if (const auto* text = node.as_string()) {
-        origin_.clear();
-        const Number result = evaluated(text->get(), how_to_write(key.quantity));
-        if (!origin_.empty()) document_.note_origin(path, origin_);
-        value = to_si(result, key.quantity, text->get());
+        value = to_si(evaluated(text->get(), how_to_write(key.quantity)), key.quantity, text->get());
       } else {
         return wrong_type(node, path, key, target);
       }
       const std::string unit = (key.quantity == Quantity::plain ? "" : " ") + std::string(si_unit(key.quantity));
       if (!key.range.contains(value))
         throw ValueError(number_text(value) + unit + " is out of range; allowed: " + key.range.text() + unit);
+      if (!origin_.empty()) document_.note_origin(path, origin_);
       out = value;
     } catch (const ValueError& error) {
-      document_.report(path, error.what());
+      report_value(path, error.what());
     } catch (const AlreadyReported&) {
       document_.report(path, "");
     }
@@ -396,7 +411,7 @@ class Reader {
           throw ValueError("a variable's name has letters, digits and _, and no digit in front");
         coupling.variables[name] = variable_text(value);
       } catch (const ValueError& error) {
-        document_.report(path, error.what());
+        report_value(path, error.what());
       } catch (const AlreadyReported&) {
         document_.report(path, "");
       }

@@ -58,12 +58,16 @@ namespace detail {
     best = candidate;
   }
   if (!best.empty() || wanted.size() < 3) return best;
+  double largest_share = 0;
   for (const std::string& candidate : candidates) {
     const std::string other = detail::normalised(candidate);
-    if (other.size() >= 3 && (other.find(wanted) != std::string::npos || wanted.find(other) != std::string::npos))
-      return candidate;
+    const auto [shorter, longer] = std::minmax(wanted, other, [](auto& a, auto& b) { return a.size() < b.size(); });
+    const double share = static_cast<double>(shorter.size()) / static_cast<double>(longer.size());
+    if (shorter.size() < 3 || longer.find(shorter) == std::string::npos || share <= largest_share) continue;
+    largest_share = share;
+    best = candidate;
   }
-  return {};
+  return best;
 }
 
 /// "a, b, c".
