@@ -13,7 +13,16 @@
 //
 // A rank without partners in the epoch sends and receives nothing. In the parallel scheme both sides compute at the
 // same time and the solid uses the loads of the window before (zero-th: the load at the start, sent by send_loads
-// before the first window: see `FluidTerms::scheme`).
+// before the first window: see `FluidTerms::scheme`). That first pair, send_loads and receive_loads directly after the
+// first plan, comes once in a run; later epochs of the parallel scheme start with the last loads of the epoch before.
+//
+// Bodies: a body is planned at the fluid ranks that its surface can reach and at the solid ranks to which it can migrate
+// within the epoch; regions must not change within an epoch. A body inserted within an epoch is unknown to the fluid until
+// the next plan. A body deleted within an epoch stays at rest for the fluid, marked `vanished`, until the next plan.
+//
+// Shared layout: both participants of a rank call this interface from the two threads of a Turnstile. Every rank then works
+// in the same order, water of window 1, solids of window 1, water of window 2, ..., and control changes only inside calls of
+// the links. So blocking collectives of either side, between calls of its link, cannot block the other side's.
 #pragma once
 
 #include <mpi.h>
@@ -39,9 +48,12 @@ enum class Scheme : int { serial = 0, parallel = 1 };
 /// In the shared layout every rank holds both roles and passes `layout_shared`.
 struct Participants {
   MPI_Comm world = MPI_COMM_NULL;           ///< all ranks of both sides (a private duplicate)
+  MPI_Comm fluid_side = MPI_COMM_NULL;      ///< the fluid ranks, private to FluidLink; null on other ranks
+  MPI_Comm solid_side = MPI_COMM_NULL;      ///< the solid ranks, private to SolidLink; null on other ranks
   std::vector<int> fluid_ranks;             ///< world ranks that carry a piece of the fluid, in fluid-rank order
   std::vector<int> solid_ranks;             ///< likewise for the solid
   bool shared = false;                      ///< every rank carries both sides
+  std::shared_ptr<struct LocalOrder> order; ///< shared layout: who of this rank's two participants may go on
 };
 
 /// Separate ranks: `role` is this program's. Collective over MPI_COMM_WORLD. `own` receives this side's communicator.
@@ -49,6 +61,8 @@ struct Participants {
 Participants split_world(Role role, MPI_Comm& own);
 /// Shared ranks: every rank carries both; two private duplicates of MPI_COMM_WORLD.
 Participants share_world(MPI_Comm& fluid, MPI_Comm& solid);
+/// Frees the private communicators after the links are gone. Collective over all ranks of both sides.
+void release(Participants& participants);
 
 /// What the fluid states at the handshake and the solid must accept.
 struct FluidTerms {
@@ -96,6 +110,7 @@ struct FluidBody {
   State state;                       ///< at the end of the last received window
   Load applied;                      ///< load that the solid side applied in its last window (summed over fluid ranks)
   std::vector<int> sharers;          ///< fluid ranks (fluid communicator) that know this body, ascending, self included
+  bool vanished = false;             ///< the solid side deleted it within the epoch: stays at rest until the next plan
 };
 
 struct BodyPressures {
