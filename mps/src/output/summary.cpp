@@ -110,6 +110,8 @@ Json& Json::append(const std::string& key) { return objects(key, true).items.emp
 std::string Json::text(int indent) const {
   if (members_.empty()) return "{}";
   const std::string inner(static_cast<std::size_t>(indent) + 2, ' ');
+  std::string close(1, '\n');
+  close.append(static_cast<std::size_t>(indent), ' ').append(1, '}');
   const auto value_text = Overloaded{
       [](double value) { return number(value); },
       [](std::int64_t value) { return std::to_string(value); },
@@ -124,9 +126,9 @@ std::string Json::text(int indent) const {
                     [&](const Json& item) { return item.text(indent + 4); });
       },
   };
-  return list(
-      "{\n", members_, ",\n", "\n" + std::string(static_cast<std::size_t>(indent), ' ') + "}",
-      [&](const auto& member) { return inner + quoted(member.first) + ": " + std::visit(value_text, member.second); });
+  return list("{\n", members_, ",\n", close, [&](const auto& member) {
+    return inner + quoted(member.first) + ": " + std::visit(value_text, member.second);
+  });
 }
 
 void write_json(const std::filesystem::path& path, const Json& json) { write_whole_file(path, json.text() + "\n"); }
