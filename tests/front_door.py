@@ -31,7 +31,7 @@ class Arguments(support.SceneTest):
         self.refused("run", self.scene, "--layout", "mixed", expect="'mixed'")
         self.refused("run", self.scene, "--set", "numerics.cfl", expect="'numerics.cfl'")
         self.refused("run", self.scene, self.scene, expect="one scene")
-        self.refused("run", self.scene, "--layout", "shared", "--fluid-ranks", "1", "--solid-ranks", "2", expect="one number of ranks")
+        self.refused("run", self.scene, "--layout", "shared", "--solid-ranks", "2", expect="--fluid-ranks alone")
 
     def test_a_missing_build_is_named(self):
         environment = dict(os.environ, EMBACLE_BUILD=str(self.folder))
