@@ -161,7 +161,7 @@ class Reader {
     } catch (const QuantityError& error) {
       const std::string message = error.what();
       throw ValueError(message + (message.ends_with('?') ? " " : "; ") + "allowed: " + allowed +
-                       ", \"$name\" of a parameter, or sums and multiples such as \"$name + 2 * 3 mm\"");
+                       ", \"$name\" of a parameter, or sums and multiples of these");
     }
   }
 

@@ -272,7 +272,9 @@ Schema make_schema() {
 }
 
 std::string unit_text(const Key& key) {
-  return key.quantity == Quantity::plain ? "" : " " + std::string(si_unit(key.quantity));
+  if (key.quantity == Quantity::plain) return {};
+  std::string text(1, ' ');
+  return text.append(si_unit(key.quantity));
 }
 
 /// "length [m]", "number", "vector of speed [m/s]" ...

@@ -275,7 +275,7 @@ class Expression {
 
   [[noreturn]] void fail() const {
     std::string message = "cannot read '" + std::string(text_) + "'";
-    if (!done()) message += " from '" + std::string(text_.substr(at_)) + "' on";
+    if (at_ > 0 && !done()) message += " from '" + std::string(text_.substr(at_)) + "' on";
     if (text_.find(',') != std::string_view::npos) message += " (the decimal sign is a point)";
     throw QuantityError(message);
   }

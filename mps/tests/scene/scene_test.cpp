@@ -477,7 +477,9 @@ TEST_F(SceneFile, RandomBytesNeverCrash) {
     std::string text = full_;
     for (unsigned k = 0; k <= random() % 4; ++k) {
       const std::size_t at = random() % text.size();
-      const std::string line = "\n" + text.substr(at, 20) + "\n";
+      std::string line = text.substr(at, 20);
+      line.insert(line.begin(), '\n');
+      line.push_back('\n');
       switch (random() % 5) {
         case 0:
           text[at] = byte();
