@@ -136,7 +136,7 @@ def wall_box(wall, time):
     moved = np.zeros(3)
     start, stop = wall.get("start") or 0.0, wall.get("stop")
     if wall.get("table"):
-        table = np.array(wall["table"], dtype=float)
+        table = np.array([line["row"] for line in wall["table"]], dtype=float)
         moved = np.array([np.interp(time, table[:, 0], table[:, 1 + k]) for k in range(3)])
     elif wall.get("velocity"):
         until = time if stop is None else min(time, stop)

@@ -179,6 +179,7 @@ void Recorder::write_stage() const {
   json.set("gravity", array_of(scene_.fluid.gravity));
   json.set("particle_distance", scene_.numerics.particle_distance);
   json.set("pictures", Json::Array(scene_.output.pictures));
+  for (const auto& [name, value] : scene_.parameters) json.object("parameters").set(name, value);
   Json& domain = json.object("domain");
   domain.set("lower", array_of(scene_.domain.lower));
   domain.set("upper", array_of(scene_.domain.upper));
@@ -192,6 +193,10 @@ void Recorder::write_stage() const {
     entry.set("velocity", array_of(motion.velocity));
     entry.set("start", motion.start);
     entry.set("stop", std::min(motion.stop, 1e30));
+    entry.set("open", wall.open);
+    for (const auto& [time, moved] : motion.table) {
+      entry.append("table").set("row", Json::Array{time, moved[0], moved[1], moved[2]});
+    }
   }
   if (simulation_.bodies() != nullptr) {
     for (const auto& shape : simulation_.bodies()->shapes()) {
