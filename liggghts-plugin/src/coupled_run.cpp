@@ -27,10 +27,13 @@ class OpenEndedRun {
     update->nsteps = std::numeric_limits<int>::max();
     update->firststep = update->beginstep = update->ntimestep;
     update->laststep = update->endstep = update->ntimestep + update->nsteps;
-    lammps->init();
-    update->integrate->setup();
-    lammps->timer->init();
-    lammps->timer->barrier_start(TIME_LOOP);
+    lammps->init();  // the fixes check the script; gravity becomes known
+  }
+
+  void start() {
+    lammps_->update->integrate->setup();
+    lammps_->timer->init();
+    lammps_->timer->barrier_start(TIME_LOOP);
   }
 
   void advance(int steps) { lammps_->update->integrate->run(steps); }
@@ -86,12 +89,12 @@ void count_window(SolidReport& report, const SubSteps& chosen, double window) {
 
 void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants& participants, MPI_Comm own,
                  const coupling::YieldHook& yield, SolidReport& report) {
-  fix->init();  // its demands on the script, before the other side is involved
+  OpenEndedRun run(lammps);
   SolidLink link(participants, own, fix->terms(), yield);
   fix->prepare(link.fluid());
   if (link.fluid().dimension == 2) keep_in_plane(fix->multisphere());
 
-  OpenEndedRun run(lammps);
+  run.start();
   ContactOutlook outlook(lammps, fix->multisphere(), fix->rule());
   const bool parallel = link.fluid().scheme == coupling::Scheme::parallel;
   bool first = true;

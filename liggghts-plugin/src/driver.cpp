@@ -74,6 +74,10 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
 
   std::vector<std::string> words = {"liggghts-mps"};
   words.insert(words.end(), arguments.begin(), arguments.end());
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    // LIGGGHTS 3.8.0 reads meshes with a print to the screen even if there is none, and crashes.
+    if ((words[i - 1] == "-screen" || words[i - 1] == "-sc") && words[i] == "none") words[i] = "/dev/null";
+  }
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
 

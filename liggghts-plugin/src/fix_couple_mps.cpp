@@ -123,7 +123,23 @@ coupling::SolidTerms FixCoupleMps::terms() const {
   return terms;
 }
 
+void FixCoupleMps::require_unit_depth() const {
+  // Two-dimensional water gives loads per metre of depth: they belong to a body that is one metre deep.
+  for (const FloeShape* floe : floe_shapes(lmp)) {
+    const auto& shape = floe->shape;
+    const double depth = shape.kind == coupling::ShapeKind::box        ? shape.size.z()
+                         : shape.kind == coupling::ShapeKind::cylinder ? shape.size.y()
+                                                                       : 0;
+    if (depth != 1) {
+      throw InputError(fmt::format("{}: in two-dimensional water bodies are boxes or cylinders that are 1 m long along "
+                                   "z, but there is a {}",
+                                   where_, shape.name));
+    }
+  }
+}
+
 void FixCoupleMps::prepare(const coupling::FluidTerms& fluid) {
+  if (fluid.dimension == 2) require_unit_depth();
   if (pressures_every_ == 0) return;
   for (const FloeShape* floe : floe_shapes(lmp)) {
     const auto points = floe->shape.points(fluid.particle_distance, fluid.point_depth, fluid.dimension);
@@ -190,6 +206,7 @@ void FixCoupleMps::take_pressures(const std::vector<coupling::BodyPressures>& al
       if (share.area > 0) place->second[share.sphere] += part.pressure[k] * share.area / sphere_area_[shape][share.sphere];
     }
   }
+  sphere_index_->do_forward_comm();  // ghosts of the bodies' spheres on other ranks
   const int all_atoms = atom->nlocal + atom->nghost;
   for (int i = 0; i < all_atoms; ++i) {
     pressure_->vector_atom[i] = 0;

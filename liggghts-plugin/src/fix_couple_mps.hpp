@@ -25,7 +25,8 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
 
   /// What the solid states at the handshake: gravity of the script's fix gravity (zero without one), box, shapes.
   [[nodiscard]] coupling::SolidTerms terms() const;
-  /// Prepares the mapping of surface pressures, if subscribed. Call once after the handshake.
+  /// Checks the bodies against the water's dimension and prepares the mapping of surface pressures, if subscribed. Call
+  /// once after the handshake. Throws InputError.
   void prepare(const coupling::FluidTerms& fluid);
 
   /// This rank's bodies; contact force and torque are those of the last window.
@@ -48,6 +49,7 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
   using BodyVector = LAMMPS_NS::VectorContainer<double, 3>;
   BodyVector* add_body_vector(const char* name);
   [[nodiscard]] coupling::Vec3 gravity() const;  // of the script's fix gravity, zero without one [m/s^2]
+  void require_unit_depth() const;
   void take_pressures(const std::vector<coupling::BodyPressures>& all);
 
   std::string where_;

@@ -1,0 +1,174 @@
+// Reading and checking descriptions of bodies, without LIGGGHTS.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "contact_outlook.hpp"
+#include "floe_checks.hpp"
+#include "floe_file.hpp"
+#include "floe_list.hpp"
+
+namespace embacle::liggghts {
+namespace {
+
+using coupling::InputError;
+using coupling::Vec3;
+
+FloeList read(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return read_floe_list("fix floes floe/create", words, 2);
+}
+
+/// The message of the InputError that `action` must throw.
+template <typename Action>
+std::string message_of(const Action& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no InputError";
+  return "";
+}
+
+void expect_parts(const std::string& message, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
+}
+
+TEST(FloeList, ReadsShapesAndBodies) {
+  const FloeList list = read(
+      "shape box 0.2 0.1 0.05 density 900 spacing 0.02 atom_type 2 position 1 2 3 rotate 0 0 2 90 velocity 4 5 6 "
+      "position 0 0 0 omega 7 8 9 shape cylinder 0.1 0.3 mass 5 spacing 0.05 position 2 0 0 quaternion 0 1 0 0");
+  ASSERT_EQ(list.shapes.size(), 2U);
+  ASSERT_EQ(list.floes.size(), 3U);
+  EXPECT_EQ(list.shapes[0].atom_type, 2);
+  EXPECT_DOUBLE_EQ(list.shapes[1].shape.mass_properties().mass, 5.0);
+  EXPECT_TRUE(list.floes[0].state.position.isApprox(Vec3(1, 2, 3)));
+  EXPECT_LT((list.floes[0].state.orientation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
+  EXPECT_TRUE(list.floes[0].state.velocity.isApprox(Vec3(4, 5, 6)));
+  EXPECT_TRUE(list.floes[1].state.angular_velocity.isApprox(Vec3(7, 8, 9)));
+  EXPECT_EQ(list.floes[2].shape, 1);
+  EXPECT_LT((list.floes[2].state.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-15);
+}
+
+TEST(FloeList, NamesTheMistake) {
+  const std::string box = "shape box 1 1 1 density 900 spacing 0.1 ";
+  expect_parts(message_of([&] { read(box + "positon 0 0 0"); }), {"'positon'", "did you mean 'position'", "quaternion"});
+  expect_parts(message_of([&] { read("shape box 1 -1 1"); }), {"along y", "greater than zero", "-1"});
+  expect_parts(message_of([&] { read("shape box 1 1 1 density 0"); }), {"density", "greater than zero"});
+  expect_parts(message_of([&] { read(box + "position 0 0"); }), {"z component", "missing"});
+  expect_parts(message_of([&] { read(box + "position 0 0 1.5x"); }), {"'1.5x'", "number"});
+  expect_parts(message_of([&] { read(box + "position 0 0 nan"); }), {"'nan'"});
+  expect_parts(message_of([&] { read("shape box 1 1 1 spacing 0.1 position 0 0 0"); }), {"'density'", "'mass'"});
+  expect_parts(message_of([&] { read("shape box 1 1 1 density 900 position 0 0 0"); }), {"'spacing'"});
+  expect_parts(message_of([&] { read(box + "atom_type 3 position 0 0 0"); }), {"atom_type 3", "2 type"});
+  expect_parts(message_of([&] { read(box + "velocity 1 0 0"); }), {"'velocity' must come after 'position'"});
+  expect_parts(message_of([&] { read(box + "position 0 0 0 density 800"); }), {"before its first body"});
+  expect_parts(message_of([&] { read(box + "position 0 0 0 quaternion 1 1 0 0"); }), {"norm"});
+  expect_parts(message_of([&] { read(box); }), {"no bodies"});
+  expect_parts(message_of([&] { read("shape boks 1 1 1"); }), {"did you mean 'box'", "sphere", "cylinder"});
+}
+
+class FloeFile : public testing::Test {
+ protected:
+  void write(const std::string& text) { std::ofstream(path_) << text; }
+  void TearDown() override { std::remove(path_.c_str()); }
+  std::string path_ = testing::TempDir() + "embacle-floes.csv";
+};
+
+TEST_F(FloeFile, ReadsColumnsInAnyOrder) {
+  write("# an ice field\nz [m],x,y,lx,ly,lz,mass [kg],vx,vy,vz\n3,1,2,0.5,0.4,0.1,18,0.1,0,0\n\n6,4,5,0.5,0.4,0.1,9,0,0,0\n");
+  const auto rows = read_floe_file(path_);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_TRUE(rows[0].state.position.isApprox(Vec3(1, 2, 3)));
+  EXPECT_EQ(rows[1].origin, path_ + ":5");
+  const FloeList list = read("shape box 1 1 1 density 900 spacing 0.05 file " + path_);
+  ASSERT_EQ(list.shapes.size(), 2U);  // the same size, but not the same density
+  EXPECT_DOUBLE_EQ(list.shapes[0].shape.mass_properties().mass, 18);
+  EXPECT_DOUBLE_EQ(list.shapes[1].shape.mass_properties().mass, 9);
+}
+
+TEST_F(FloeFile, NamesFileAndLine) {
+  const auto message = [&](const std::string& text) {
+    write(text);
+    return message_of([&] { read_floe_file(path_); });
+  };
+  expect_parts(message("x,y,z\n1,2,3\n1,2,oops\n"), {path_ + ":3", "'oops'", "'z'"});
+  expect_parts(message("x,y,z\n1,2\n"), {path_ + ":2", "2 values", "3 columns"});
+  expect_parts(message("x,y,z\n1,2,\n"), {path_ + ":2", "'z'"});
+  expect_parts(message("x,y,zz\n"), {path_ + ":1", "'zz'", "did you mean"});
+  expect_parts(message("x,y\n"), {path_ + ":1", "'z' is missing"});
+  expect_parts(message("x [mm],y,z\n"), {path_ + ":1", "in m, not in mm"});
+  expect_parts(message("x,y,z,x\n"), {"appears twice"});
+  expect_parts(message("x,y,z,qw,qx,qy\n"), {"'qz' is missing"});
+  expect_parts(message("x,y,z,lx,ly,lz\n0,0,0,1,0,1\n"), {path_ + ":2", "'ly'", "greater than zero"});
+  expect_parts(message("x,y,z\n"), {"no bodies"});
+  expect_parts(message_of([] { read_floe_file("/no/such/file.csv"); }), {"/no/such/file.csv"});
+}
+
+std::vector<PlacedFloe> placed(const FloeList& list) {
+  std::vector<PlacedFloe> result;
+  for (const Floe& floe : list.floes) result.push_back({&list.shapes[floe.shape], floe.state, floe.origin});
+  return result;
+}
+
+TEST(FloeChecks, OverlapOfBoxesIsExact) {
+  const std::string unit = "shape box 1 1 1 density 900 spacing 0.2 ";
+  const auto depth = [&](const std::string& bodies) {
+    const FloeList list = read(unit + bodies);
+    const auto floes = placed(list);
+    return overlap_depth(floes[0], floes[1]);
+  };
+  EXPECT_NEAR(depth("position 0 0 0 position 0.9 0.2 0"), 0.1, 1e-15);
+  EXPECT_NEAR(depth("position 0 0 0 position 1.2 0 0"), -0.2, 1e-15);
+  // Turned by 45 degrees a cube reaches sqrt(1/2) along x; its covering spheres do not reach that edge.
+  const double reach = std::sqrt(0.5);
+  EXPECT_NEAR(depth("position 0 0 0 position 1.2 0 0 rotate 0 0 1 45"), 0.5 + reach - 1.2, 1e-15);
+  // Two edges that cross at a right angle: only the product of edge directions separates these.
+  EXPECT_LT(depth("position 0 0 0 rotate 0 1 0 45 position 0 0 1.45 rotate 1 0 0 45"), 0);
+  EXPECT_GT(depth("position 0 0 0 rotate 0 1 0 45 position 0 0 1.38 rotate 1 0 0 45"), 0);
+}
+
+TEST(FloeChecks, NamesTheDeepestOverlap) {
+  const FloeList touching = read("shape box 1 1 1 density 900 spacing 0.2 position 0 0 0 position 1 0 0 position 2 0 0");
+  EXPECT_NO_THROW(check_overlaps("fix f", placed(touching), 0));
+  const FloeList list =
+      read("shape box 1 1 1 density 900 spacing 0.2 position 0 0 0 position 0.95 0 0 position 5 0 0 position 5 0.7 0.1");
+  expect_parts(message_of([&] { check_overlaps("fix f", placed(list), 0); }),
+               {"2 pair(s)", "0.3 m", "body 3", "body 4", "(5, 0.7, 0.1)"});
+  EXPECT_NO_THROW(check_overlaps("fix f", placed(list), 4));  // only old bodies
+}
+
+TEST(FloeChecks, BodiesMustBeInsideTheBox) {
+  coupling::Box box{Vec3(-1, -1, -1), Vec3(1, 1, 1)};
+  const FloeList inside = read("shape box 1 1 1 density 900 spacing 0.2 position 0.5 0 0");
+  EXPECT_NO_THROW(check_inside("fix f", placed(inside), box, {false, false, false}));
+  const FloeList turned = read("shape box 1 1 1 density 900 spacing 0.2 position 0.5 0 0 rotate 0 0 1 45");
+  expect_parts(message_of([&] { check_inside("fix f", placed(turned), box, {false, false, false}); }),
+               {"body 1", "x =", "1.20711", "-1 to 1"});
+  EXPECT_NO_THROW(check_inside("fix f", placed(turned), box, {true, false, false}));
+  const FloeList cylinder = read("shape cylinder 0.3 1 density 900 spacing 0.2 position 0 0 0 rotate 0 1 0 90");
+  EXPECT_TRUE(half_extents(cylinder.shapes[0].shape, cylinder.floes[0].state.orientation).isApprox(Vec3(0.5, 0.3, 0.3)));
+}
+
+TEST(ContactTime, FollowsHertz) {
+  // A steel ball of radius 1 cm against a like one at 1 m/s: the integral of the equation of motion gives the same time.
+  const double radius = 0.005, modulus = 1e11, mass = 0.016, speed = 1;
+  double gap = 0, velocity = -speed, time = 0;
+  const double step = 1e-9, stiffness = 4.0 / 3.0 * modulus * std::sqrt(radius);
+  do {
+    velocity += step * stiffness * std::pow(std::max(0.0, -gap), 1.5) / mass;
+    gap += step * velocity;
+    time += step;
+  } while (gap < 0);
+  EXPECT_NEAR(hertz_contact_time(mass, radius, modulus, speed, 1) / time, 1, 0.002);
+  EXPECT_NEAR(hertz_contact_time(mass, radius, modulus, speed, 16) / time, std::pow(16, -0.4), 0.002);
+}
+
+}  // namespace
+}  // namespace embacle::liggghts
