@@ -42,10 +42,10 @@ class SolidMistakes(support.SceneTest):
 
     def test_body_outside_of_the_solid_box(self):
         self.edit("in.blocks", "position 0.145 0.06 0.0689", "position 0.145 0.06 5")
-        self.assert_refused_everywhere(2, "outside|out of")
+        self.assert_refused_everywhere(2, "body 2", r"5\.015 m", "simulation box")
 
     def test_body_outside_of_the_domain_of_the_water(self):
-        self.edit("in.blocks", "region box block -0.01 0.21 -0.01 0.13 -0.01 0.29", "region box block -0.01 1 -0.01 1 -0.01 1")
+        self.edit("in.blocks", "block -0.01 0.21 -0.01 0.13 -0.01 0.29", "block -0.01 1 -0.01 1 -0.01 1")
         self.edit("in.blocks", "position 0.145 0.06 0.0689", "position 0.145 0.06 0.8")
         self.assert_refused_everywhere(2, "outside|out of", "domain")
 

@@ -1,6 +1,7 @@
 """A rank that dies, or a user who has seen enough, ends the whole run within seconds; what was written stays readable."""
 
 import pathlib
+import shutil
 import signal
 import sys
 import time
@@ -14,6 +15,7 @@ SHARED = ("--layout", "shared", "--fluid-ranks", "2", "--end-time", "1000")
 
 class DyingRanks(support.SceneTest):
     def run_until_frames(self, arguments):
+        shutil.rmtree(self.out, ignore_errors=True)
         process = self.start_scene(*arguments)
         self.wait_for(lambda: len(self.frames()) >= 3 and len(self.body_rows()) > 20, process)
         return process
