@@ -151,7 +151,7 @@ std::vector<SolidBody> owned_bodies(LAMMPS* lammps, FixMultisphere* multisphere)
   for (int i = 0; i < bodies.n_body(); ++i) {
     SolidBody& body = result[i];
     body.tag = bodies.tag(i);
-    body.shape = (*types)(i) >= first_floe_type ? (*types)(i) - first_floe_type : -1;
+    body.shape = (*types)(i) >= first_floe_type ? (*types)(i)-first_floe_type : -1;
     bodies.xcm(body.state.position.data(), i);
     bodies.vcm(body.state.velocity.data(), i);
     bodies.omega(body.state.angular_velocity.data(), i);
@@ -159,9 +159,9 @@ std::vector<SolidBody> owned_bodies(LAMMPS* lammps, FixMultisphere* multisphere)
     bodies.quat(q.data(), i);
     body.state.orientation = coupling::Quaternion(q[0], q[1], q[2], q[3]);
     const tagint image = (*images)(i);
-    body.state.position += Vec3(((image & IMGMASK) - IMGMAX) * domain->xprd,
-                                ((image >> IMGBITS & IMGMASK) - IMGMAX) * domain->yprd,
-                                ((image >> IMG2BITS) - IMGMAX) * domain->zprd);
+    body.state.position +=
+        Vec3(((image & IMGMASK) - IMGMAX) * domain->xprd, ((image >> IMGBITS & IMGMASK) - IMGMAX) * domain->yprd,
+             ((image >> IMG2BITS) - IMGMAX) * domain->zprd);
   }
   return result;
 }

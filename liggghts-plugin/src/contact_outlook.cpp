@@ -25,8 +25,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 double stiffest_modulus(LAMMPS* lammps) {
   const int types = lammps->atom->ntypes;
   const auto find = [&](const char* name) {
-    return static_cast<FixPropertyGlobal*>(lammps->modify->find_fix_property(name, "property/global", "peratomtype",
-                                                                             types, 0, "couple/mps", false));
+    return static_cast<FixPropertyGlobal*>(
+        lammps->modify->find_fix_property(name, "property/global", "peratomtype", types, 0, "couple/mps", false));
   };
   FixPropertyGlobal* young = find("youngsModulus");
   FixPropertyGlobal* poisson = find("poissonsRatio");
@@ -50,8 +50,8 @@ double hertz_contact_time(double mass, double radius, double modulus, double spe
 struct ContactOutlook::Nearest {
   double window, acceleration, modulus, minimum_speed;
   bool may_touch = false;
-  bool unlisted_may_touch = false;  ///< something outside the neighbour lists may touch
-  double shortest = infinity;       ///< contact time of a single contact [s]
+  bool unlisted_may_touch = false;        ///< something outside the neighbour lists may touch
+  double shortest = infinity;             ///< contact time of a single contact [s]
   std::unordered_map<int, int> contacts;  ///< spheres that can touch, per body
 
   /// A pair of `gap` [m] (negative: overlap) with relative velocity; `normal` unit vector between the centres.
@@ -160,7 +160,8 @@ void ContactOutlook::scan_primitive_walls(Nearest& nearest) const {
       const double gap = wall->primitiveWall()->resolveContact(atom->x[i], atom->radius[i], delta.data());
       const double distance = delta.norm();
       const Vec3 normal = distance > 0 ? Vec3(delta / distance) : Vec3::Zero();
-      nearest.consider(gap, VecMap(atom->v[i]), normal, atom->rmass[i], atom->radius[i], multisphere_->belongs_to(i), -1);
+      nearest.consider(gap, VecMap(atom->v[i]), normal, atom->rmass[i], atom->radius[i], multisphere_->belongs_to(i),
+                       -1);
     }
   }
 }
@@ -181,8 +182,8 @@ void ContactOutlook::scan_meshes(Nearest& nearest, double speed) const {
           Vec3 delta = Vec3::Zero();
           std::array<double, 3> weights{};
           int side = 0;
-          const double gap = mesh->resolveTriSphereContactBary(i, t, atom->radius[i], atom->x[i], delta.data(),
-                                                               weights.data(), side);
+          const double gap =
+              mesh->resolveTriSphereContactBary(i, t, atom->radius[i], atom->x[i], delta.data(), weights.data(), side);
           const double distance = delta.norm();
           const Vec3 normal = distance > 0 ? Vec3(delta / distance) : Vec3::Zero();
           Vec3 relative = VecMap(atom->v[i]);
@@ -245,7 +246,7 @@ SubSteps ContactOutlook::choose(double window) {
   SubSteps result;
   const bool may_touch = outlook[0] > 0, unlisted = outlook[1] > 0;
   if (!may_touch && !unlisted) return result;
-  result.skin_limited = !may_touch;
+  result.skin_limited = !may_touch && !std::isinf(wall_speed);
   double contact_time = -outlook[2] * std::pow(outlook[3], -0.4);
   if (!may_touch) {
     // Unknown partners: two spheres of the lightest body and smallest sphere at the largest speed.
@@ -254,8 +255,8 @@ SubSteps ContactOutlook::choose(double window) {
       least = {std::min(least[0], atom->rmass[i]), std::min(least[1], atom->radius[i])};
     }
     MPI_Allreduce(MPI_IN_PLACE, least.data(), 2, MPI_DOUBLE, MPI_MIN, lammps_->world);
-    contact_time = hertz_contact_time(0.5 * least[0], 0.5 * least[1], modulus_,
-                                      std::max(rule_.minimum_speed, 2 * speed), 1);
+    contact_time =
+        hertz_contact_time(0.5 * least[0], 0.5 * least[1], modulus_, std::max(rule_.minimum_speed, 2 * speed), 1);
   }
   result.count = std::max(1, static_cast<int>(std::ceil(window * rule_.resolution / contact_time)));
   return result;

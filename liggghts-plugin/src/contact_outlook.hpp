@@ -9,8 +9,8 @@ namespace embacle::liggghts {
 
 /// Options of the choice.
 struct SubStepRule {
-  double resolution = 100;     ///< sub-steps per Hertz contact time
-  double minimum_speed = 0.01; ///< lower bound [m/s] of the approach speed in the contact time
+  double resolution = 100;      ///< sub-steps per Hertz contact time
+  double minimum_speed = 0.01;  ///< lower bound [m/s] of the approach speed in the contact time
 };
 
 /// The choice for one window.
@@ -52,8 +52,8 @@ class ContactOutlook {
   LAMMPS_NS::LAMMPS* lammps_;
   LAMMPS_NS::FixMultisphere* multisphere_;
   SubStepRule rule_;
-  double modulus_ = 0;  // effective modulus [Pa] of the stiffest pair; 0: no material
-  double mesh_travel_ = 0;      // bound [m] of the meshes' motion since the last neighbour build
+  double modulus_ = 0;      // effective modulus [Pa] of the stiffest pair; 0: no material
+  double mesh_travel_ = 0;  // bound [m] of the meshes' motion since the last neighbour build
   double mesh_speed_now_ = 0;
   std::int64_t builds_ = 0;
   bool first_ = true;

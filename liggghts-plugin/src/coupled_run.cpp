@@ -76,7 +76,8 @@ void keep_in_plane(FixMultisphere* multisphere) {
 }
 
 void count_window(SolidReport& report, const SubSteps& chosen, double window) {
-  report.fewest_sub_steps = report.windows == 0 ? chosen.count : std::min<std::int64_t>(report.fewest_sub_steps, chosen.count);
+  report.fewest_sub_steps =
+      report.windows == 0 ? chosen.count : std::min<std::int64_t>(report.fewest_sub_steps, chosen.count);
   report.most_sub_steps = std::max<std::int64_t>(report.most_sub_steps, chosen.count);
   report.sub_steps += chosen.count;
   report.simulated_seconds += window;

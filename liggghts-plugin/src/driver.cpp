@@ -20,7 +20,8 @@ using coupling::RunError;
 namespace {
 
 /// The value that follows `-name` (or `-alternative`) on the command line, or empty.
-std::string option_value(const std::vector<std::string>& arguments, const std::string& name, const std::string& alternative) {
+std::string option_value(const std::vector<std::string>& arguments, const std::string& name,
+                         const std::string& alternative) {
   for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
     if (arguments[i] == name || arguments[i] == alternative) return arguments[i + 1];
   }
@@ -48,7 +49,8 @@ void report_on_screen(LAMMPS* lammps, const SolidReport& report) {
   MPI_Comm_rank(lammps->world, &rank);
   if (rank != 0) return;
   std::string text = fmt::format(
-      "Coupled run: {} windows, {:.6g} s; sub-steps per window: min {}, mean {:.4g}, max {}; {} windows resolved contacts\n",
+      "Coupled run: {} windows, {:.6g} s; sub-steps per window: min {}, mean {:.4g}, max {}; {} windows resolved "
+      "contacts\n",
       report.windows, report.simulated_seconds, report.fewest_sub_steps, report.mean_sub_steps(), report.most_sub_steps,
       report.resolved_windows);
   if (report.skin_limited_windows > 0) {
@@ -70,7 +72,8 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
   const bool fluid_present = participants.world != MPI_COMM_NULL;
   const std::string script = option_value(arguments, "-in", "-i");
   if (script.empty() && fluid_present) throw InputError("liggghts-mps: give the LIGGGHTS script with -in FILE");
-  if (!option_value(arguments, "-partition", "-p").empty()) throw InputError("liggghts-mps: -partition is not supported");
+  if (!option_value(arguments, "-partition", "-p").empty())
+    throw InputError("liggghts-mps: -partition is not supported");
 
   std::vector<std::string> words = {"liggghts-mps"};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -89,7 +92,8 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
     try {
       lammps->input->file();
     } catch (const ScriptQuit&) {
-      if (fluid_present) throw InputError("the command quit ends the script, but a coupled run must go on with the fluid");
+      if (fluid_present)
+        throw InputError("the command quit ends the script, but a coupled run must go on with the fluid");
     }
     couple = find_couple_mps(lammps);
   } catch (const ScriptQuit&) {
@@ -103,10 +107,11 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
     throw InputError(fmt::format("{}: contains no 'fix ID all couple/mps', but runs beside a fluid", script));
   }
   if (!fluid_present && couple) {
-    throw InputError(fmt::format("{}: contains fix couple/mps, but no fluid runs beside it; run both, for example\n"
-                                 "  mpirun -n 1 mps SCENE : -n 1 liggghts-mps -in {}\n"
-                                 "or remove the fix",
-                                 script, script));
+    throw InputError(
+        fmt::format("{}: contains fix couple/mps, but no fluid runs beside it; run both, for example\n"
+                    "  mpirun -n 1 mps SCENE : -n 1 liggghts-mps -in {}\n"
+                    "or remove the fix",
+                    script, script));
   }
   report.script_seconds = MPI_Wtime() - start;
   report.coupled = fluid_present;

@@ -70,8 +70,8 @@ void FixCoupleMps::post_create() {
     property->setDefaultValue(0.0);
   }
   if (pressures_every_ > 0) {
-    const std::array<const char*, 9> property = {"waterPressure", "all", "property/atom", "waterPressure", "scalar",
-                                                 "no",            "yes", "yes",           "0."};
+    const std::array<const char*, 9> property = {
+        "waterPressure", "all", "property/atom", "waterPressure", "scalar", "no", "yes", "yes", "0."};
     pressure_ = modify->add_fix_property_atom(9, const_cast<char**>(property.data()), style);
   }
 }
@@ -131,9 +131,10 @@ void FixCoupleMps::require_unit_depth() const {
                          : shape.kind == coupling::ShapeKind::cylinder ? shape.size.y()
                                                                        : 0;
     if (depth != 1) {
-      throw InputError(fmt::format("{}: in two-dimensional water bodies are boxes or cylinders that are 1 m long along "
-                                   "z, but there is a {}",
-                                   where_, shape.name));
+      throw InputError(
+          fmt::format("{}: in two-dimensional water bodies are boxes or cylinders that are 1 m long along "
+                      "z, but there is a {}",
+                      where_, shape.name));
     }
   }
 }
@@ -203,7 +204,8 @@ void FixCoupleMps::take_pressures(const std::vector<coupling::BodyPressures>& al
     const int shape = owned[data.map(static_cast<int>(part.tag))].shape;
     for (std::size_t k = 0; k < part.point.size(); ++k) {
       const PointShare& share = point_share_[shape][part.point[k]];
-      if (share.area > 0) place->second[share.sphere] += part.pressure[k] * share.area / sphere_area_[shape][share.sphere];
+      if (share.area > 0)
+        place->second[share.sphere] += part.pressure[k] * share.area / sphere_area_[shape][share.sphere];
     }
   }
   sphere_index_->do_forward_comm();  // ghosts of the bodies' spheres on other ranks
@@ -240,10 +242,9 @@ void FixCoupleMps::end_window(double window) {
     Vec3 velocity, angular_momentum;
     data.vcm(velocity.data(), i);
     data.angmom(angular_momentum.data(), i);
-    at((*contact_force_)(i)) = data.mass(i) * ((velocity - at((*velocity_start_)(i))) / window - fall) -
-                                   at((*force_)(i));
-    at((*contact_torque_)(i)) =
-        (angular_momentum - at((*angular_momentum_start_)(i))) / window - at((*torque_)(i));
+    at((*contact_force_)(i)) =
+        data.mass(i) * ((velocity - at((*velocity_start_)(i))) / window - fall) - at((*force_)(i));
+    at((*contact_torque_)(i)) = (angular_momentum - at((*angular_momentum_start_)(i))) / window - at((*torque_)(i));
   }
 }
 

@@ -42,8 +42,8 @@ void FixFloeCreate::post_create() {
   check_inside(where_, placed, box, periodic);
   check_overlaps(where_, placed, first_new);
 
-  const std::array<const char*, 9> property = {"floeSphere", "all", "property/atom", "floeSphere", "scalar",
-                                               "yes",        "yes", "no",            "0."};
+  const std::array<const char*, 9> property = {
+      "floeSphere", "all", "property/atom", "floeSphere", "scalar", "yes", "yes", "no", "0."};
   sphere_index_ = static_cast<FixPropertyAtom*>(modify->find_fix_id("floeSphere"));
   if (!sphere_index_) {
     sphere_index_ = modify->add_fix_property_atom(9, const_cast<char**>(property.data()), style);

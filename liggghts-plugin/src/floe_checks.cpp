@@ -111,8 +111,9 @@ void check_overlaps(const std::string& where, const std::vector<PlacedFloe>& flo
     const Vec3& p = floes[i].state.position;
     return fmt::format("{} at ({:g}, {:g}, {:g}) m", floes[i].origin, p.x(), p.y(), p.z());
   };
-  throw coupling::InputError(fmt::format("{}: {} pair(s) of bodies overlap; the deepest overlap is {:.3g} m, between {} and {}",
-                                         where, pairs, deepest, place(first), place(second)));
+  throw coupling::InputError(
+      fmt::format("{}: {} pair(s) of bodies overlap; the deepest overlap is {:.3g} m, between {} and {}", where, pairs,
+                  deepest, place(first), place(second)));
 }
 
 void check_inside(const std::string& where, const std::vector<PlacedFloe>& floes, const coupling::Box& box,
@@ -128,9 +129,8 @@ void check_inside(const std::string& where, const std::vector<PlacedFloe>& floes
       const double out = std::max(box.lower[k] - low, high - box.upper[k]);
       if (out <= allowed || out <= farthest) continue;
       farthest = out;
-      message = fmt::format(
-          "{}: {} reaches from {} = {:g} to {:g} m, but the simulation box only from {:g} to {:g} m", where, floe.origin,
-          "xyz"[k], low, high, box.lower[k], box.upper[k]);
+      message = fmt::format("{}: {} reaches from {} = {:g} to {:g} m, but the simulation box only from {:g} to {:g} m",
+                            where, floe.origin, "xyz"[k], low, high, box.lower[k], box.upper[k]);
     }
   }
   if (!message.empty()) throw coupling::InputError(message);

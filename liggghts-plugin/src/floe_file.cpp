@@ -79,8 +79,8 @@ std::map<std::string, std::size_t> read_header(const std::string& where, const s
   }
   for (const auto& group : groups) {
     for (const Column& column : group) {
-      const bool required = group.front().name == "x" || place.contains(group.front().name) ||
-                            place.contains(group.back().name);
+      const bool required =
+          group.front().name == "x" || place.contains(group.front().name) || place.contains(group.back().name);
       if (required && !place.contains(column.name)) {
         throw InputError(fmt::format("{}: column '{}' is missing", where, column.name));
       }
@@ -112,7 +112,8 @@ std::vector<FloeRow> read_floe_file(const std::string& path) {
       continue;
     }
     if (cells.size() != place.size()) {
-      throw InputError(fmt::format("{}: {} values, but the header names {} columns", where, cells.size(), place.size()));
+      throw InputError(
+          fmt::format("{}: {} values, but the header names {} columns", where, cells.size(), place.size()));
     }
     const auto value = [&](const std::string& name) {
       double number_read = 0;

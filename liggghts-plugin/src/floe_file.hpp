@@ -11,11 +11,11 @@ namespace embacle::liggghts {
 /// One line of the file.
 struct FloeRow {
   coupling::State state;
-  bool own_size = false;                              ///< the file has the columns lx, ly, lz: this body's own box
-  coupling::Vec3 size = coupling::Vec3::Zero();       ///< full edge lengths [m]
-  double density = 0;                                 ///< [kg/m^3]; 0: not given
-  double mass = 0;                                    ///< [kg]; 0: not given
-  std::string origin;                                 ///< "floes.csv:7"
+  bool own_size = false;                         ///< the file has the columns lx, ly, lz: this body's own box
+  coupling::Vec3 size = coupling::Vec3::Zero();  ///< full edge lengths [m]
+  double density = 0;                            ///< [kg/m^3]; 0: not given
+  double mass = 0;                               ///< [kg]; 0: not given
+  std::string origin;                            ///< "floes.csv:7"
 };
 
 /// Reads a CSV file in SI units. The first line names the columns, in any order, each optionally with its unit in

@@ -66,8 +66,8 @@ class Reader {
       describe_shape(name);
       present_.atom_type = words_.integer("atom_type", 1);
       if (present_.atom_type > atom_types_) {
-        words_.fail(fmt::format("atom_type {} does not exist: create_box made {} type(s)", present_.atom_type,
-                                atom_types_));
+        words_.fail(
+            fmt::format("atom_type {} does not exist: create_box made {} type(s)", present_.atom_type, atom_types_));
       }
     } else if (name == "position") {
       Floe floe;
@@ -127,15 +127,17 @@ class Reader {
   void describe_shape(const std::string& name) {
     if (!have_shape_) words_.fail(fmt::format("'{}' must come after 'shape'", name));
     if (describing_body_) {
-      words_.fail(fmt::format("'{}' describes a shape and must come before its first body; start another 'shape' for "
-                              "other bodies",
-                              name));
+      words_.fail(
+          fmt::format("'{}' describes a shape and must come before its first body; start another 'shape' for "
+                      "other bodies",
+                      name));
     }
   }
 
   int registered_shape(const std::string& name) {
     if (!have_shape_) words_.fail(fmt::format("'{}' must come after 'shape'", name));
-    if (!(present_.shape.density > 0)) words_.fail("the shape needs 'density' [kg/m3] or 'mass' [kg] before its bodies");
+    if (!(present_.shape.density > 0))
+      words_.fail("the shape needs 'density' [kg/m3] or 'mass' [kg] before its bodies");
     if (!(present_.spacing > 0) && present_.shape.kind != ShapeKind::sphere) {
       words_.fail("the shape needs 'spacing' [m] of its covering spheres before its bodies");
     }
@@ -156,7 +158,8 @@ class Reader {
         own.shape.size = row.size;
         if (row.density > 0) own.shape.density = row.density;
         if (row.mass > 0) own.shape.density = row.mass / row.size.prod();
-        if (!(own.shape.density > 0)) words_.fail(fmt::format("{}: no density or mass, here or before 'file'", row.origin));
+        if (!(own.shape.density > 0))
+          words_.fail(fmt::format("{}: no density or mass, here or before 'file'", row.origin));
         if (!(own.spacing > 0)) words_.fail("give 'shape' and 'spacing' before 'file'");
         floe.shape = list_.add_shape(own);
       } else {

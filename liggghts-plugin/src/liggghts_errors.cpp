@@ -7,8 +7,8 @@
 
 #include <string>
 
-#include "embacle/coupling/types.hpp"
 #include <compute.h>
+#include "embacle/coupling/types.hpp"
 
 #include "stock.hpp"
 
@@ -18,7 +18,8 @@ using embacle::coupling::ExitStatus;
 
 /// Errors that tell of a simulation gone wrong rather than of a wrong script.
 ExitStatus status_of(const std::string& message) {
-  for (const char* sign : {"Lost atoms", "Non-numeric", "out of range - cannot compute", "blow", "Too many neighbor bins"}) {
+  for (const char* sign :
+       {"Lost atoms", "Non-numeric", "out of range - cannot compute", "blow", "Too many neighbor bins"}) {
     if (message.find(sign) != std::string::npos) return ExitStatus::unstable;
   }
   if (message.find("nternal error") != std::string::npos) return ExitStatus::internal;

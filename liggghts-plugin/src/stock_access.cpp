@@ -12,11 +12,11 @@ struct Opened {
   friend typename Key::Type open(Key) { return member; }
 };
 
-#define EMBACLE_OPEN(KEY, CLASS, MEMBER, ...)   \
-  struct KEY {                                  \
-    using Type = __VA_ARGS__ CLASS::*;          \
-    friend Type open(KEY);                      \
-  };                                            \
+#define EMBACLE_OPEN(KEY, CLASS, MEMBER, ...) \
+  struct KEY {                                \
+    using Type = __VA_ARGS__ CLASS::*;        \
+    friend Type open(KEY);                    \
+  };                                          \
   template struct Opened<KEY, &CLASS::MEMBER>
 
 using FixMap = std::map<std::string, embacle::liggghts::FixCreator>;

@@ -103,8 +103,9 @@ class Coupled : public testing::Test {
   }
 
   /// Runs the solids; `after` sees them at the end.
-  SolidReport solve(const std::vector<std::string>& lines, const std::string& young,
-                    const std::function<void(Solids&)>& after = [](Solids&) {}) {
+  SolidReport solve(
+      const std::vector<std::string>& lines, const std::string& young,
+      const std::function<void(Solids&)>& after = [](Solids&) {}) {
     Solids solids(own_);
     solids.prepare(young);
     solids.run(lines);
@@ -213,11 +214,10 @@ TEST_F(Coupled, ContactIsResolvedAndReportedExactly) {
     EXPECT_LT(velocity[1].x(), 0);  // thrown back
     return;
   }
-  const SolidReport report =
-      solve({"fix floes all floe/create shape box 0.1 0.1 0.05 density 900 spacing 0.05 "
-             "position -0.062 0 0 velocity 0.5 0 0 position 0.062 0 0 velocity -0.5 0 0",
-             "fix couple all couple/mps"},
-            "5e8");
+  const SolidReport report = solve({"fix floes all floe/create shape box 0.1 0.1 0.05 density 900 spacing 0.05 "
+                                    "position -0.062 0 0 velocity 0.5 0 0 position 0.062 0 0 velocity -0.5 0 0",
+                                    "fix couple all couple/mps"},
+                                   "5e8");
   EXPECT_EQ(report.fewest_sub_steps, 1);
   EXPECT_GT(report.most_sub_steps, 10);
   EXPECT_GT(report.resolved_windows, 0);
@@ -249,15 +249,15 @@ TEST_F(Coupled, PrimitiveWallAndMovingMeshAreFelt) {
                             "vertex 0.5 0.4 -0.1\nendloop\nendfacet\nendsolid plate\n";
   }
   MPI_Barrier(own_);
-  const SolidReport report = solve(
-      {"fix floor all wall/gran model hertz tangential history primitive type 1 zplane -0.5",
-       "fix plate all mesh/surface file " + plate + " type 1",
-       "fix gate all wall/gran model hertz tangential history mesh n_meshes 1 meshes plate",
-       "fix move all move/mesh mesh plate linear 0 0 0.5",
-       "fix floes all floe/create shape sphere 0.1 density 900 position -0.5 0 -0.38 velocity 0 0 -0.5 "
-       "position 0.5 0 0.03",
-       "fix couple all couple/mps"},
-      "5e8");
+  const SolidReport report =
+      solve({"fix floor all wall/gran model hertz tangential history primitive type 1 zplane -0.5",
+             "fix plate all mesh/surface file " + plate + " type 1",
+             "fix gate all wall/gran model hertz tangential history mesh n_meshes 1 meshes plate",
+             "fix move all move/mesh mesh plate linear 0 0 0.5",
+             "fix floes all floe/create shape sphere 0.1 density 900 position -0.5 0 -0.38 velocity 0 0 -0.5 "
+             "position 0.5 0 0.03",
+             "fix couple all couple/mps"},
+            "5e8");
   EXPECT_GT(report.most_sub_steps, 10);
   EXPECT_EQ(report.fewest_sub_steps, 1);
   EXPECT_EQ(report.windows, 150);
@@ -287,7 +287,8 @@ TEST_F(Coupled, SurfacePressuresReachTheSpheres) {
             double sum = 0, area = 0;
             for (const auto& point : points) {
               double nearest = 1e9;
-              for (const auto& sphere : shape.spheres) nearest = std::min(nearest, (sphere.centre - point.position).norm());
+              for (const auto& sphere : shape.spheres)
+                nearest = std::min(nearest, (sphere.centre - point.position).norm());
               if ((place - point.position).norm() > nearest * (1 + 1e-9)) continue;
               sum += point.area * pressure(point.position);
               area += point.area;

@@ -143,10 +143,11 @@ TEST(Creation, ErrorsNameBodyAndPlace) {
   const std::string unit = "fix f all floe/create shape box 0.2 0.2 0.2 density 900 spacing 0.1 ";
   EXPECT_NE(failure_of({unit + "position 0 0 0 position 0.15 0 0"}, input).find("overlap is 0.05 m, between body 1"),
             std::string::npos);
-  EXPECT_NE(failure_of({unit + "position 0 0 0", "fix g all floe/create shape sphere 0.1 density 900 position 0.15 0 0"},
-                       input)
-                .find("existing body with tag 1"),
-            std::string::npos);
+  EXPECT_NE(
+      failure_of({unit + "position 0 0 0", "fix g all floe/create shape sphere 0.1 density 900 position 0.15 0 0"},
+                 input)
+          .find("existing body with tag 1"),
+      std::string::npos);
   EXPECT_NE(failure_of({unit + "position 0.95 0 0"}, input).find("reaches from x = 0.85 to 1.05 m"), std::string::npos);
   EXPECT_NE(failure_of({unit + "position 0 0 0", "unfix f"}, input).find("may not be unfixed"), std::string::npos);
   EXPECT_NE(failure_of({"pair_styl gran"}, input).find("nknown command"), std::string::npos);

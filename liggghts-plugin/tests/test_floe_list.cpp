@@ -37,7 +37,8 @@ std::string message_of(const Action& action) {
 }
 
 void expect_parts(const std::string& message, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
+  for (const std::string& part : parts)
+    EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
 }
 
 TEST(FloeList, ReadsShapesAndBodies) {
@@ -58,7 +59,8 @@ TEST(FloeList, ReadsShapesAndBodies) {
 
 TEST(FloeList, NamesTheMistake) {
   const std::string box = "shape box 1 1 1 density 900 spacing 0.1 ";
-  expect_parts(message_of([&] { read(box + "positon 0 0 0"); }), {"'positon'", "did you mean 'position'", "quaternion"});
+  expect_parts(message_of([&] { read(box + "positon 0 0 0"); }),
+               {"'positon'", "did you mean 'position'", "quaternion"});
   expect_parts(message_of([&] { read("shape box 1 -1 1"); }), {"along y", "greater than zero", "-1"});
   expect_parts(message_of([&] { read("shape box 1 1 1 density 0"); }), {"density", "greater than zero"});
   expect_parts(message_of([&] { read(box + "position 0 0"); }), {"z component", "missing"});
@@ -82,7 +84,9 @@ class FloeFile : public testing::Test {
 };
 
 TEST_F(FloeFile, ReadsColumnsInAnyOrder) {
-  write("# an ice field\nz [m],x,y,lx,ly,lz,mass [kg],vx,vy,vz\n3,1,2,0.5,0.4,0.1,18,0.1,0,0\n\n6,4,5,0.5,0.4,0.1,9,0,0,0\n");
+  write(
+      "# an ice field\nz [m],x,y,lx,ly,lz,mass "
+      "[kg],vx,vy,vz\n3,1,2,0.5,0.4,0.1,18,0.1,0,0\n\n6,4,5,0.5,0.4,0.1,9,0,0,0\n");
   const auto rows = read_floe_file(path_);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_TRUE(rows[0].state.position.isApprox(Vec3(1, 2, 3)));
@@ -135,10 +139,11 @@ TEST(FloeChecks, OverlapOfBoxesIsExact) {
 }
 
 TEST(FloeChecks, NamesTheDeepestOverlap) {
-  const FloeList touching = read("shape box 1 1 1 density 900 spacing 0.2 position 0 0 0 position 1 0 0 position 2 0 0");
+  const FloeList touching =
+      read("shape box 1 1 1 density 900 spacing 0.2 position 0 0 0 position 1 0 0 position 2 0 0");
   EXPECT_NO_THROW(check_overlaps("fix f", placed(touching), 0));
-  const FloeList list =
-      read("shape box 1 1 1 density 900 spacing 0.2 position 0 0 0 position 0.95 0 0 position 5 0 0 position 5 0.7 0.1");
+  const FloeList list = read(
+      "shape box 1 1 1 density 900 spacing 0.2 position 0 0 0 position 0.95 0 0 position 5 0 0 position 5 0.7 0.1");
   expect_parts(message_of([&] { check_overlaps("fix f", placed(list), 0); }),
                {"2 pair(s)", "0.3 m", "body 3", "body 4", "(5, 0.7, 0.1)"});
   EXPECT_NO_THROW(check_overlaps("fix f", placed(list), 4));  // only old bodies
@@ -149,15 +154,19 @@ TEST(FloeChecks, BodiesMustBeInsideTheBox) {
   const FloeList inside = read("shape box 1 1 1 density 900 spacing 0.2 position 0.5 0 0");
   EXPECT_NO_THROW(check_inside("fix f", placed(inside), box, {false, false, false}));
   const FloeList turned = read("shape box 1 1 1 density 900 spacing 0.2 position 0.5 0 0 rotate 0 0 1 45");
-  expect_parts(message_of([&] { check_inside("fix f", placed(turned), box, {false, false, false}); }),
+  expect_parts(message_of([&] {
+                 check_inside("fix f", placed(turned), box, {false, false, false});
+               }),
                {"body 1", "x =", "1.20711", "-1 to 1"});
   EXPECT_NO_THROW(check_inside("fix f", placed(turned), box, {true, false, false}));
   const FloeList cylinder = read("shape cylinder 0.3 1 density 900 spacing 0.2 position 0 0 0 rotate 0 1 0 90");
-  EXPECT_TRUE(half_extents(cylinder.shapes[0].shape, cylinder.floes[0].state.orientation).isApprox(Vec3(0.5, 0.3, 0.3)));
+  EXPECT_TRUE(
+      half_extents(cylinder.shapes[0].shape, cylinder.floes[0].state.orientation).isApprox(Vec3(0.5, 0.3, 0.3)));
 }
 
 TEST(ContactTime, FollowsHertz) {
-  // A steel ball of radius 1 cm against a like one at 1 m/s: the integral of the equation of motion gives the same time.
+  // A steel ball of radius 1 cm against a like one at 1 m/s: the integral of the equation of motion gives the same
+  // time.
   const double radius = 0.005, modulus = 1e11, mass = 0.016, speed = 1;
   double gap = 0, velocity = -speed, time = 0;
   const double step = 1e-9, stiffness = 4.0 / 3.0 * modulus * std::sqrt(radius);

@@ -14,10 +14,10 @@ namespace embacle::liggghts {
 /// What a run cost and did, for summaries. Times are wall seconds on this rank.
 struct SolidReport {
   bool coupled = false;
-  int ranks = 0;                          ///< ranks of the solid side
-  std::int64_t bodies = 0;                ///< on all ranks, at the end
-  std::int64_t covering_spheres = 0;      ///< on all ranks, at the end
-  double simulated_seconds = 0;           ///< [s], in windows
+  int ranks = 0;                      ///< ranks of the solid side
+  std::int64_t bodies = 0;            ///< on all ranks, at the end
+  std::int64_t covering_spheres = 0;  ///< on all ranks, at the end
+  double simulated_seconds = 0;       ///< [s], in windows
   std::int64_t windows = 0;
   std::int64_t sub_steps = 0;             ///< in all windows together
   std::int64_t fewest_sub_steps = 0;      ///< in a window
@@ -28,7 +28,7 @@ struct SolidReport {
   double step_seconds = 0;                ///< integrating the solids in windows, choice of sub-steps included
   double waiting_seconds = 0;             ///< blocked on the fluid
   double total_seconds = 0;
-  coupling::LinkCounters counters;        ///< of this rank
+  coupling::LinkCounters counters;  ///< of this rank
 
   [[nodiscard]] double mean_sub_steps() const {
     return windows > 0 ? static_cast<double>(sub_steps) / static_cast<double>(windows) : 0.0;
@@ -46,8 +46,8 @@ std::string to_json(const SolidReport& report);
 /// With the variable `out` on the command line (-var out DIR) rank 0 writes DIR/solid-summary.json.
 /// `yield` is called while waiting for the fluid (shared layout).
 ///
-/// Returns 0. Throws RunError: InputError for an error of the script, LIGGGHTS' own included, with the script's name and
-/// line. After an exception LIGGGHTS cannot be used again in this process, and its files may be incomplete.
+/// Returns 0. Throws RunError: InputError for an error of the script, LIGGGHTS' own included, with the script's name
+/// and line. After an exception LIGGGHTS cannot be used again in this process, and its files may be incomplete.
 int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const std::vector<std::string>& arguments,
                  SolidReport& report, coupling::YieldHook yield = {});
 
