@@ -33,6 +33,7 @@ struct Scenario {
   Scheme scheme = Scheme::serial;
   int windows = 60;
   int pressures_every = 0;
+  double stated_reach = reach;  ///< larger than `reach`: bodies are shared by more fluid ranks than feel them [m]
   std::vector<SolidBody> bodies;
   std::vector<Event> events;
 };
@@ -136,7 +137,7 @@ inline FluidTerms fluid_terms(const Scenario& scenario) {
   terms.scheme = scenario.scheme;
   terms.particle_distance = 0.05;
   terms.point_depth = 0.1;
-  terms.reach = reach;
+  terms.reach = scenario.stated_reach;
   terms.reference_speed = 1.0;
   terms.fluid_density = 1000;
   return terms;

@@ -13,17 +13,22 @@ class FailurePrinter : public testing::EmptyTestEventListener {
  public:
   explicit FailurePrinter(int rank) : rank_(rank) {}
 
+  // GoogleTest holds its lock while it reports a failure: the test's name must be known before.
+  void OnTestStart(const testing::TestInfo& test) override {
+    name_ = std::string(test.test_suite_name()) + "." + test.name();
+  }
+  void OnTestEnd(const testing::TestInfo& /*test*/) override { name_ = "set-up"; }
+
   void OnTestPartResult(const testing::TestPartResult& result) override {
     if (!result.failed()) return;
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    const std::string name = test != nullptr ? std::string(test->test_suite_name()) + "." + test->name() : "set-up";
-    std::fprintf(stderr, "rank %d: %s: %s:%d: %s\n", rank_, name.c_str(),
+    std::fprintf(stderr, "rank %d: %s: %s:%d: %s\n", rank_, name_.c_str(),
                  result.file_name() != nullptr ? result.file_name() : "?", result.line_number(), result.message());
     std::fflush(stderr);
   }
 
  private:
   int rank_;
+  std::string name_ = "set-up";
 };
 
 }  // namespace

@@ -181,6 +181,20 @@ TEST(Messages, ABodyAcrossABorderIsSharedByTwoFluidRanks) {
   }
 }
 
+TEST(Messages, BodiesSharedByAllFluidRanksHaveTheSameSumsOnAll) {
+  Scenario scenario = crossing();
+  scenario.windows = 10;
+  scenario.stated_reach = 2 * fake::length;
+  for (const int division : divisions()) {
+    SCOPED_TRACE(testing::Message() << "solid ranks " << division);
+    const int fluid_ranks = fluid_ranks_of(division);
+    const Result result = fake::run(scenario, division);
+    expect_follows(scenario, result, fluid_ranks);
+    if (!result.has_fluid) continue;
+    EXPECT_EQ(result.fluid.counters.predictor_messages_sent, 3 * 10 * (fluid_ranks - 1));
+  }
+}
+
 /// Runs the handshake with changed solid terms and returns the error's text of every side this rank carries.
 std::vector<std::string> refused(int division, const std::function<void(SolidTerms&, int rank)>& change) {
   std::vector<std::string> errors;
