@@ -39,7 +39,12 @@ void run(int windows) {
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   const int windows = argc > 1 ? std::atoi(argv[1]) : 10;
-  run(windows);
+  try {
+    run(windows);
+  } catch (const RunError& error) {
+    fmt::print(stderr, "the water: error: {}\n", error.what());
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(error.status()));
+  }
   fmt::print("the water ran {} windows\n", windows);
   MPI_Finalize();
 }
