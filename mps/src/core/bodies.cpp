@@ -160,18 +160,45 @@ void Bodies::predict(std::span<const Load> total, double step) {
   }
 }
 
-double Bodies::penetration(const double* x) const {
-  double deepest = -1e300;
-  const Vec3 place(x[0], x[1], x[2]);
-  for (const FluidBody& body : bodies_) {
-    const Vec3 arm = place - body.state.position;
-    if (arm.squaredNorm() > std::pow(shape_of(body).radius + constants_.support, 2)) continue;
-    deepest = std::max(deepest, -shape_of(body).shape.signed_distance(body.state.orientation.conjugate() * arm));
+double Bodies::depth_in(std::size_t body, const Vec3& place) const {
+  const coupling::State& state = bodies_[body].state;
+  const ShapeData& data = shape_of(bodies_[body]);
+  const Vec3 arm = place - state.position;
+  const double far = data.radius + constants_.support;
+  if (arm.squaredNorm() > far * far) return -constants_.support;
+  return -data.shape.signed_distance(state.orientation.conjugate() * arm);
+}
+
+Vec3 Bodies::outward_normal(std::size_t body, const Vec3& place) const {
+  const coupling::State& state = bodies_[body].state;
+  const coupling::Shape& shape = shape_of(bodies_[body]).shape;
+  const Vec3 local = state.orientation.conjugate() * (place - state.position);
+  const double h = 1e-4 * constants_.particle_distance;
+  Vec3 slope;
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 offset = h * Vec3::Unit(c);
+    slope[c] = shape.signed_distance(local + offset) - shape.signed_distance(local - offset);
   }
+  if (constants_.dimension == 2) slope[2] = 0;
+  return state.orientation * slope.normalized();
+}
+
+double Bodies::penetration(const double* x) const {
+  double deepest = -constants_.support;
+  for (std::size_t b = 0; b < count(); ++b) deepest = std::max(deepest, depth_in(b, Vec3(x[0], x[1], x[2])));
   return deepest;
 }
 
-bool Bodies::covers(const double* x, double depth) const { return penetration(x) > depth; }
+bool Bodies::displaces(const double* x) const {
+  const double close = 0.45 * constants_.particle_distance;
+  int near = 0;
+  for (std::size_t b = 0; b < count(); ++b) {
+    const double depth = depth_in(b, Vec3(x[0], x[1], x[2]));
+    if (depth > 0) return true;
+    near += depth > -close ? 1 : 0;
+  }
+  return near > 1;
+}
 
 std::vector<coupling::BodyPressures> Bodies::surface_pressures(const Particles& particles) const {
   std::vector<coupling::BodyPressures> result(bodies_.size());

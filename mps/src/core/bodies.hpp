@@ -39,8 +39,12 @@ class Bodies {
   /// (notes on coupling, scheme P).
   void predict(std::span<const coupling::Load> total, double step);
 
-  /// Whether a place lies inside a body by more than `depth` [m] (negative depth: near its surface from outside).
-  [[nodiscard]] bool covers(const double* x, double depth) const;
+  /// Whether a place has no room for a water particle: inside a body, or squeezed between two.
+  [[nodiscard]] bool displaces(const double* x) const;
+  /// Depth [m] of a place below the surface of one body (negative outside; minus the support where far away).
+  [[nodiscard]] double depth_in(std::size_t body, const coupling::Vec3& place) const;
+  /// Outward unit normal of the nearest face, at a place near the surface of a body.
+  [[nodiscard]] coupling::Vec3 outward_normal(std::size_t body, const coupling::Vec3& place) const;
   /// Deepest position [m] of a place below the surface of any body; negative if outside all.
   [[nodiscard]] double penetration(const double* x) const;
   /// Surface pressures of the own points of each body (for those who subscribe).

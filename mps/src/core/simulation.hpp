@@ -9,6 +9,7 @@
 #include "core/bodies.hpp"
 #include "core/constants.hpp"
 #include "core/decomposition.hpp"
+#include "core/guard.hpp"
 #include "core/halo.hpp"
 #include "core/neighbours.hpp"
 #include "core/operators.hpp"
@@ -77,7 +78,7 @@ class Simulation {
   void move(double step);
   void synchronise();  ///< agrees on stale lists and on failures
   void find_neighbours();
-  void evaluate_forces();
+  void evaluate_forces(double time);  ///< `time` is that of the positions
   void integrate_velocities();
   void decompose();
   void remove_water_in_bodies();
@@ -92,6 +93,7 @@ class Simulation {
   Constants constants_;
   Walls walls_;
   Decomposition decomposition_;
+  Guard guard_;
   Halo halo_;
   Neighbours neighbours_;
   Particles particles_;
@@ -101,6 +103,8 @@ class Simulation {
   std::vector<double> density_rate_;
   std::vector<Triple> acceleration_, reaction_, point_acceleration_;
   std::vector<Triple> build_position_;        ///< of own particles when the lists were built
+  std::vector<coupling::Load> load_;          ///< this rank's part of the load on each body
+  Triple guard_reaction_{};                   ///< of the guard on all walls [N]
   std::vector<coupling::Load> window_load_;   ///< mean partial load over the window so far
   bool lists_valid_ = false;
   bool anywhere_ = true;                      ///< the next migration follows a new decomposition

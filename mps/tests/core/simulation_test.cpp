@@ -1,0 +1,140 @@
+// The whole time step: rest, conservation, symmetry, and the same result on any number of ranks.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/diagnostics.hpp"
+#include "small_scenes.hpp"
+
+namespace embacle::mps {
+namespace {
+
+void run(Simulation& simulation, int windows) {
+  for (int done = 0; done < windows;) {
+    const int batch = simulation.begin_epoch(std::min(20, windows - done));
+    for (int w = 0; w < batch; ++w) simulation.window();
+    done += batch;
+  }
+}
+
+struct Result {
+  WaterState state;
+  Triple centre{};
+  Audit audit;
+};
+
+Result result_of(const Scene& scene, MPI_Comm comm, int windows) {
+  Simulation simulation(scene, comm, nullptr);
+  run(simulation, windows);
+  Result result;
+  result.state = measure(simulation, scene);
+  double sums[3] = {};
+  for (std::size_t i = 0; i < simulation.particles().water; ++i) {
+    for (int c = 0; c < 3; ++c) sums[c] += simulation.particles().record[i].x[c];
+  }
+  MPI_Allreduce(sums, result.centre.data(), 3, MPI_DOUBLE, MPI_SUM, comm);
+  for (double& c : result.centre) c /= static_cast<double>(result.state.particles);
+  result.audit = simulation.worst_audit();
+  return result;
+}
+
+TEST(Simulation, SameResultOnAnyNumberOfRanks) {
+  for (const int dimension : {2, 3}) {
+    const Scene scene = test::collapsing_column(dimension, dimension == 3 ? 10 : 24);
+    const Result parallel = result_of(scene, MPI_COMM_WORLD, 200);
+    const Result alone = result_of(scene, MPI_COMM_SELF, 200);
+    EXPECT_EQ(parallel.state.particles, alone.state.particles);
+    EXPECT_GT(alone.state.energy.kinetic, 1e-4 * alone.state.energy.potential);
+    EXPECT_NEAR(parallel.state.energy.kinetic, alone.state.energy.kinetic, 1e-9 * alone.state.energy.kinetic);
+    EXPECT_NEAR(parallel.state.energy.potential, alone.state.energy.potential, 1e-11 * alone.state.energy.potential);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(parallel.centre[c], alone.centre[c], 1e-11);
+  }
+}
+
+TEST(Simulation, MomentumChangesByGravityAndWallsOnly) {
+  const Result result = result_of(test::collapsing_column(3, 10), MPI_COMM_WORLD, 100);
+  EXPECT_LT(result.audit.momentum_residual, 1e-10);
+  EXPECT_GT(result.audit.momentum_residual, 0.0);  // it was measured
+}
+
+TEST(Simulation, FreeFlightKeepsMomentumAndCentre) {
+  // No walls, no gravity: a turning drop keeps linear momentum, and its centre moves straight.
+  Scene scene = test::still_tank(3, 8);
+  scene.walls.clear();
+  scene.fluid.gravity = {0, 0, 0};
+  scene.water.front().velocity = {0.3, -0.2, 0.1};
+  const Result before = result_of(scene, MPI_COMM_WORLD, 0);
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  run(simulation, 100);
+  const Result after = result_of(scene, MPI_COMM_WORLD, 100);
+  const double time = simulation.time();
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(after.state.momentum[c] / after.state.mass, scene.water.front().velocity[c], 1e-13);
+    EXPECT_NEAR(after.centre[c] - 0.04, scene.water.front().velocity[c] * time, 1e-12);
+  }
+  (void)before;
+}
+
+TEST(Simulation, StillWaterStaysStill) {
+  for (const int dimension : {2, 3}) {
+    const Scene scene = test::still_tank(dimension, 10);
+    Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+    run(simulation, 400);
+    const WaterState state = measure(simulation, scene);
+    EXPECT_LT(state.energy.kinetic, 1e-4 * state.mass * 9.81 * 0.1);
+    EXPECT_EQ(state.outside_tank, 0);
+    Gauge bottom;
+    bottom.kind = GaugeKind::pressure;
+    bottom.position = {0.05, dimension == 3 ? 0.05 : 0.005, dimension == 3 ? 0.005 : 0.0};
+    EXPECT_NEAR(pressure_at(simulation, bottom), 1000 * 9.81 * 0.095, 0.03 * 1000 * 9.81 * 0.1);
+    Gauge level;
+    level.position = bottom.position;
+    EXPECT_NEAR(water_level(simulation, scene, level), 0.1, 0.002);
+  }
+}
+
+TEST(Simulation, MirroredColumnsStayMirrored) {
+  // Two columns at both ends of a tank: the left half mirrors the right one.
+  Scene scene = test::still_tank(2, 10);
+  scene.walls.front().region.upper[0] = 0.4;
+  Water right = scene.water.front();
+  right.name = "right";
+  right.region.lower[0] = 0.3;
+  right.region.upper[0] = 0.4;
+  scene.water.push_back(right);
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  run(simulation, 150);
+  const WaterState state = measure(simulation, scene);
+  EXPECT_NEAR(state.momentum[0], 0, 1e-9 * std::sqrt(2 * state.mass * state.energy.kinetic));
+  EXPECT_GT(state.energy.kinetic, 0);
+}
+
+TEST(Simulation, ABrokenRunNamesStepPlaceAndQuantity) {
+  Scene scene = test::collapsing_column(2, 10);
+  scene.numerics.cfl = 2.5;  // far beyond the stability limit
+  Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+  try {
+    run(simulation, 3000);
+    FAIL() << "an unstable time step went unnoticed";
+  } catch (const coupling::InstabilityError& error) {
+    const std::string message = error.what();
+    for (const char* word : {"step", "t =", "speed", " m", "particle"}) EXPECT_NE(message.find(word), std::string::npos) << message;
+  }
+}
+
+TEST(Walls, AGateMovesAsPrescribed) {
+  Motion constant;
+  constant.velocity = {0, 0, 0.4};
+  constant.start = 0.1;
+  constant.stop = 0.6;
+  EXPECT_EQ(displacement(constant, 0.05)[2], 0.0);
+  EXPECT_NEAR(displacement(constant, 0.35)[2], 0.1, 1e-15);
+  EXPECT_NEAR(displacement(constant, 2.0)[2], 0.2, 1e-15);
+  Motion table;
+  table.table = {{0.0, {0, 0, 0}}, {1.0, {0, 0, 1}}, {2.0, {0, 0, 5}}};
+  EXPECT_NEAR(displacement(table, 1.5)[2], 3.0, 1e-15);
+  EXPECT_NEAR(displacement(table, 9.0)[2], 5.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace embacle::mps
