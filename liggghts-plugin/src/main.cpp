@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include "embacle/liggghts/driver.hpp"
 
@@ -37,6 +39,10 @@ Exit status: 0 done; 2 the input is wrong; 3 the simulation broke; 4 the machine
   for (const double start = MPI_Wtime(); !everyone && MPI_Wtime() - start < 1.0;) {
     MPI_Test(&request, &everyone, MPI_STATUS_IGNORE);
   }
+  // An error of the handshake is found by both sides: the one that holds the first rank of all speaks and ends the run.
+  int world_rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &world_rank);
+  if (everyone && world_rank != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   if (rank == 0 || !everyone) {
     fmt::print(stderr, "liggghts-mps: error: {}\n", message);
     std::fflush(stderr);

@@ -192,14 +192,17 @@ void end_run(const std::string& program, const std::exception& error) {
   const int status = static_cast<int>(known != nullptr ? known->status() : coupling::ExitStatus::internal);
   std::fflush(stdout);
   int initialised = 0;
-  int rank = 0;
+  int rank = 0, size = 1;
   MPI_Initialized(&initialised);
-  if (initialised != 0) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (initialised != 0) {
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &size);
+  }
   // An error of the input is found by every rank at once: the first speaks, and its abort ends the others.
   if (rank != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   fmt::print(stderr, "{}: {}{}\n", program, known != nullptr ? "" : "internal error: ", error.what());
   std::fflush(stderr);
-  if (initialised != 0) MPI_Abort(MPI_COMM_WORLD, status);
+  if (size > 1) MPI_Abort(MPI_COMM_WORLD, status);
   std::_Exit(status);
 }
 

@@ -49,21 +49,25 @@ void Neighbours::make_grid(const Particles& particles) {
   }
 }
 
-void Neighbours::fill(Bins& bins, const Particles& particles, bool water) {
+std::int64_t Neighbours::cell_of(const double* x) const {
+  std::int64_t cell = 0;
+  for (int c = 2; c >= 0; --c) {
+    const double place = (x[c] - origin_[c]) / cell_[c];
+    if (!(place >= 0 && place < cells_[c])) return -1;
+    cell = cell * cells_[c] + static_cast<std::int64_t>(place);
+  }
+  return cell;
+}
+
+void Neighbours::fill(Bins& bins, const Particles& particles, bool water, const std::vector<char>* only) {
   const std::size_t total = static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2];
-  std::vector<std::uint32_t> cell_of, source;
+  std::vector<std::uint32_t> cells, source;
   bins.first.assign(total + 1, 0);
   const auto bin = [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      std::size_t cell = 0;
-      bool inside = true;
-      for (int c = 2; c >= 0; --c) {
-        const double place = (particles.record[i].x[c] - origin_[c]) / cell_[c];
-        inside = inside && place >= 0 && place < cells_[c];
-        cell = cell * cells_[c] + (inside ? static_cast<std::size_t>(place) : 0);
-      }
-      if (!inside) continue;
-      cell_of.push_back(static_cast<std::uint32_t>(cell));
+      const std::int64_t cell = cell_of(particles.record[i].x);
+      if (cell < 0 || (only != nullptr && (*only)[cell] == 0)) continue;
+      cells.push_back(static_cast<std::uint32_t>(cell));
       source.push_back(static_cast<std::uint32_t>(i));
       ++bins.first[cell + 1];
     }
@@ -83,7 +87,7 @@ void Neighbours::fill(Bins& bins, const Particles& particles, bool water) {
   bins.z.resize(n);
   bins.index.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
-    const std::uint32_t slot = next[cell_of[k]]++;
+    const std::uint32_t slot = next[cells[k]]++;
     const Record& record = particles.record[source[k]];
     bins.x[slot] = record.x[0];
     bins.y[slot] = record.x[1];
@@ -92,8 +96,27 @@ void Neighbours::fill(Bins& bins, const Particles& particles, bool water) {
   }
 }
 
-template <class Accept>
-void Neighbours::search(const Bins& bins, const double* x, std::vector<std::uint32_t>& list, Accept&& accept) {
+void Neighbours::mark_surroundings(const Bins& bins, std::vector<char>& marks) const {
+  const std::size_t total = static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2];
+  marks.assign(total, 0);
+  for (int k = 0; k < cells_[2]; ++k) {
+    for (int j = 0; j < cells_[1]; ++j) {
+      const std::size_t row = (static_cast<std::size_t>(k) * cells_[1] + j) * cells_[0];
+      for (int i = 0; i < cells_[0]; ++i) {
+        if (bins.first[row + i] == bins.first[row + i + 1]) continue;
+        const int low = std::max(0, i - cells_per_radius), high = std::min(cells_[0] - 1, i + cells_per_radius);
+        for (int kk = std::max(0, k - cells_per_radius); kk <= std::min(cells_[2] - 1, k + cells_per_radius); ++kk) {
+          for (int jj = std::max(0, j - cells_per_radius); jj <= std::min(cells_[1] - 1, j + cells_per_radius); ++jj) {
+            const std::size_t first = (static_cast<std::size_t>(kk) * cells_[1] + jj) * cells_[0];
+            std::fill(marks.begin() + first + low, marks.begin() + first + high + 1, char{1});
+          }
+        }
+      }
+    }
+  }
+}
+
+void Neighbours::search(const Bins& bins, const double* x, std::vector<std::uint32_t>& list) const {
   int low[3], high[3];
   for (int c = 0; c < 3; ++c) {
     low[c] = std::max(0, static_cast<int>(std::floor((x[c] - radius_ - origin_[c]) / cell_[c])));
@@ -118,15 +141,17 @@ void Neighbours::search(const Bins& bins, const double* x, std::vector<std::uint
         out += dx * dx + dy * dy + dz * dz < square ? 1 : 0;
       }
       list.resize(static_cast<std::size_t>(out - list.data()));
-      accept(list, old);
     }
   }
 }
 
 void Neighbours::build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin) {
   make_grid(particles);
+  // Most solid points are far from any water, and much of the water is far from solids: marked cells tell.
   fill(water_, particles, true);
-  fill(solid_, particles, false);
+  mark_surroundings(water_, near_water_);
+  fill(solid_, particles, false, &near_water_);
+  mark_surroundings(solid_, near_solid_);
   const std::uint32_t sentinel = particles.sentinel();
 
   // Thin walls near a place: only there do sides matter.
@@ -144,8 +169,6 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
     if (identity.owner < 0 || identity.owner >= walls.count() || walls.thin_index(identity.owner) < 0) return nullptr;
     return &thin[walls.thin_index(identity.owner)];
   };
-  const auto keep_all = [](std::vector<std::uint32_t>&, std::size_t) {};
-
   index_.clear();
   begin_.assign(1, 0);
   middle_.clear();
@@ -154,7 +177,7 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
     const double* x = particles.record[i].x;
     const bool sided = !thin.empty() && near_thin(x);
     list.clear();
-    search(water_, x, list, keep_all);
+    search(water_, x, list);
     std::erase(list, static_cast<std::uint32_t>(i));
     if (sided) {
       std::erase_if(list, [&](std::uint32_t j) {
@@ -167,8 +190,8 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
     index_.insert(index_.end(), list.begin(), list.end());
     middle_.push_back(index_.size());
     list.clear();
-    search(solid_, x, list, keep_all);
-    if (sided) {
+    if (near_solid_[cell_of(x)] != 0) search(solid_, x, list);
+    if (sided && !list.empty()) {
       std::erase_if(list, [&](std::uint32_t j) {
         const ThinWall* wall = thin_of(j);
         return wall != nullptr && !Walls::visible(*wall, particles.identity[j].point, x);
@@ -184,14 +207,10 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
   wet_begin_.assign(1, 0);
   for (std::size_t b = particles.water; b < particles.own(); ++b) {
     const double* x = particles.record[b].x;
-    bool reachable = true;
-    for (int c = 0; c < dimension_; ++c) {
-      const double place = (x[c] - origin_[c]) / cell_[c];
-      reachable = reachable && place >= 0 && place < cells_[c];
-    }
-    if (!reachable) continue;
+    const std::int64_t cell = cell_of(x);
+    if (cell < 0 || near_water_[cell] == 0) continue;
     list.clear();
-    search(water_, x, list, keep_all);
+    search(water_, x, list);
     if (const ThinWall* wall = thin_of(static_cast<std::uint32_t>(b))) {
       std::erase_if(list, [&](std::uint32_t i) {
         return !Walls::visible(*wall, particles.identity[b].point, particles.record[i].x);

@@ -50,9 +50,14 @@ class Neighbours {
     std::vector<std::uint32_t> first;  ///< of each cell
   };
   void make_grid(const Particles& particles);
-  void fill(Bins& bins, const Particles& particles, bool water);
-  template <class Accept>
-  void search(const Bins& bins, const double* x, std::vector<std::uint32_t>& list, Accept&& accept);
+  /// Cell of a place, or -1 outside the grid.
+  [[nodiscard]] std::int64_t cell_of(const double* x) const;
+  /// Bins water, or the solid points whose cell is marked in `only`.
+  void fill(Bins& bins, const Particles& particles, bool water, const std::vector<char>* only = nullptr);
+  /// Marks all cells within the radius of an occupied one.
+  void mark_surroundings(const Bins& bins, std::vector<char>& marks) const;
+  /// Appends everything binned within the radius of a place.
+  void search(const Bins& bins, const double* x, std::vector<std::uint32_t>& list) const;
 
   int dimension_;
   double radius_;
@@ -60,6 +65,7 @@ class Neighbours {
   double origin_[3] = {0, 0, 0};
   int cells_[3] = {1, 1, 1};
   Bins water_, solid_;
+  std::vector<char> near_water_, near_solid_;  ///< per cell
   std::vector<std::uint32_t> index_, wet_index_;
   std::vector<std::size_t> begin_, middle_, wet_begin_;
   std::vector<std::uint32_t> wet_points_;

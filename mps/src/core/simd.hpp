@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
 #ifdef __AVX__
 #include <immintrin.h>
 #endif
@@ -11,7 +10,6 @@ namespace embacle::mps {
 
 inline constexpr int lanes = 4;
 using Pack = double __attribute__((vector_size(32)));
-using PackMask = std::int64_t __attribute__((vector_size(32)));
 
 inline Pack splat(double value) { return Pack{value, value, value, value}; }
 
@@ -29,18 +27,14 @@ inline double horizontal_sum(Pack value) { return (value[0] + value[1]) + (value
 
 /// Turns four rows into four columns.
 inline void transpose(Pack& a, Pack& b, Pack& c, Pack& d) {
-  const PackMask even{0, 4, 2, 6};
-  const PackMask odd{1, 5, 3, 7};
-  const PackMask low{0, 1, 4, 5};
-  const PackMask high{2, 3, 6, 7};
-  const Pack ab0 = __builtin_shuffle(a, b, even);
-  const Pack ab1 = __builtin_shuffle(a, b, odd);
-  const Pack cd0 = __builtin_shuffle(c, d, even);
-  const Pack cd1 = __builtin_shuffle(c, d, odd);
-  a = __builtin_shuffle(ab0, cd0, low);
-  b = __builtin_shuffle(ab1, cd1, low);
-  c = __builtin_shuffle(ab0, cd0, high);
-  d = __builtin_shuffle(ab1, cd1, high);
+  const Pack ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+  const Pack ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Pack cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+  const Pack cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
 }
 
 }  // namespace embacle::mps

@@ -263,6 +263,7 @@ int Simulation::begin_epoch(int wanted_windows) {
     if (windows > 0) {
       bodies_->assign(link_->bodies());
       lists_valid_ = false;
+      check_bodies();
     }
   }
   if (!started_ && windows > 0) {
@@ -278,6 +279,21 @@ int Simulation::begin_epoch(int wanted_windows) {
     started_ = true;
   }
   return windows;
+}
+
+/// Bodies must be where the water's domain is: at the start the user's mistake, later a body that was thrown out.
+void Simulation::check_bodies() const {
+  for (const auto& body : bodies_->all()) {
+    for (int c = 0; c < constants_.dimension; ++c) {
+      const double x = body.state.position[c];
+      if (x >= scene_.domain.lower[c] && x <= scene_.domain.upper[c]) continue;
+      const std::string message = fmt::format(
+          "body {} is at ({:.5g}, {:.5g}, {:.5g}) m, outside the water's domain (scene: domain.lower, domain.upper)",
+          body.tag, body.state.position[0], body.state.position[1], body.state.position[2]);
+      if (!started_) throw coupling::InputError(message);
+      throw coupling::InstabilityError(fmt::format("step {}, t = {:.6g} s: {}", counters_.steps, time_, message));
+    }
+  }
 }
 
 void Simulation::decompose() {

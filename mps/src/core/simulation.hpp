@@ -83,6 +83,7 @@ class Simulation {
   void decompose();
   void remove_water_in_bodies();
   void check_window();
+  void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
   [[nodiscard]] std::vector<Traveller> own_walls() const;
 

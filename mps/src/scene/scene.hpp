@@ -96,7 +96,7 @@ struct Coupling {
 
 struct Output {
   double fields_every = 0;           ///< [s]; 0: only the start and the end
-  double bodies_every = 0;           ///< [s]; 0: every window
+  double bodies_every = 0;           ///< [s]; 0: a 1500th of the run
   double gauges_every = 0;           ///< [s]; 0: a thousandth of the run
   double energies_every = 0;         ///< [s]; 0: a hundredth of the run
   bool fields = true;

@@ -236,7 +236,7 @@ Schema make_schema() {
                     .range = not_negative},
                    [](Output& x) -> Target { return &x.fields_every; }},
                   {{.name = "bodies_every",
-                    .meaning = "interval of `bodies.csv`; 0: every window",
+                    .meaning = "interval of `bodies.csv`; 0: a 1500th of the run",
                     .quantity = Q::time,
                     .range = not_negative},
                    [](Output& x) -> Target { return &x.bodies_every; }},
