@@ -1,4 +1,5 @@
-// What is measured on the running water: energies, momentum, volume, gauges. All functions are collective.
+// What is measured on the running water: energies, momentum, volume, gauges. All functions are collective, and need the
+// neighbour lists of a running simulation (after its first epoch has begun).
 #pragma once
 
 #include <array>

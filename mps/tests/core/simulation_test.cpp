@@ -63,7 +63,6 @@ TEST(Simulation, FreeFlightKeepsMomentumAndCentre) {
   scene.walls.clear();
   scene.fluid.gravity = {0, 0, 0};
   scene.water.front().velocity = {0.3, -0.2, 0.1};
-  const Result before = result_of(scene, MPI_COMM_WORLD, 0);
   Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
   run(simulation, 100);
   const Result after = result_of(scene, MPI_COMM_WORLD, 100);
@@ -72,7 +71,6 @@ TEST(Simulation, FreeFlightKeepsMomentumAndCentre) {
     EXPECT_NEAR(after.state.momentum[c] / after.state.mass, scene.water.front().velocity[c], 1e-13);
     EXPECT_NEAR(after.centre[c] - 0.04, scene.water.front().velocity[c] * time, 1e-12);
   }
-  (void)before;
 }
 
 TEST(Simulation, StillWaterStaysStill) {
@@ -111,7 +109,7 @@ TEST(Simulation, MirroredColumnsStayMirrored) {
 
 TEST(Simulation, ABrokenRunNamesStepPlaceAndQuantity) {
   Scene scene = test::collapsing_column(2, 10);
-  scene.numerics.cfl = 2.5;  // far beyond the stability limit
+  scene.numerics.cfl = 8;  // far beyond the stability limit
   Simulation simulation(scene, MPI_COMM_SELF, nullptr);
   try {
     run(simulation, 3000);
