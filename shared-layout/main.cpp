@@ -1,5 +1,5 @@
-// embacle-shared: the shared layout. Every rank carries a piece of the water and a piece of the solids, which take turns
-// (coupling/turnstile.hpp), so that no rank waits for ranks of the other kind.
+// embacle-shared: the shared layout. Every rank carries a piece of the water and a piece of the solids, which take
+// turns (coupling/turnstile.hpp), so that no rank waits for ranks of the other kind.
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -16,8 +16,9 @@ using namespace embacle;
 namespace fs = std::filesystem;
 
 std::vector<std::string> liggghts_arguments(const mps::Scene& scene, const fs::path& folder) {
-  std::vector<std::string> arguments{"-in", scene.coupling.script.string(), "-screen", "/dev/null",
-                                     "-log", (folder / "log.liggghts").string(), "-var", "out", folder.string()};
+  std::vector<std::string> arguments{"-in",          scene.coupling.script.string(),     "-screen", "/dev/null",
+                                     "-log",         (folder / "log.liggghts").string(), "-var",    "out",
+                                     folder.string()};
   for (const auto& [name, value] : scene.coupling.variables) {
     arguments.insert(arguments.end(), {"-var", name, value});
   }

@@ -31,10 +31,10 @@ void run(const Options& options, int rank) {
   coupling::Participants participants;
   participants = coupling::split_world(coupling::Role::fluid, own);
   if (scene.coupled() && participants.solid_ranks.empty()) {
-    throw coupling::InputError(fmt::format(
-        "{} has solids ({}), but no liggghts-mps runs in this mpirun; start it with './embacle run' or as "
-        "'mpirun -n F mps ... : -n S liggghts-mps -in {}'",
-        scene.file.string(), scene.coupling.script.filename().string(), scene.coupling.script.string()));
+    throw coupling::InputError(
+        fmt::format("{} has solids ({}), but no liggghts-mps runs in this mpirun; start it with './embacle run' or as "
+                    "'mpirun -n F mps ... : -n S liggghts-mps -in {}'",
+                    scene.file.string(), scene.coupling.script.filename().string(), scene.coupling.script.string()));
   }
   embacle::mps::Json summary =
       embacle::mps::run_water(scene, options.out, scene.coupled() ? &participants : nullptr, own);

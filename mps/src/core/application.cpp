@@ -73,13 +73,14 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
     throw coupling::InputError(fmt::format("{}; see '{} --help'", error.what(), program));
   }
   if (!end_time.empty()) options.overrides.push_back("run.end_time=" + end_time);
-  options.task = check     ? Options::Task::check
-                 : explain ? Options::Task::explain
-                 : launch  ? Options::Task::launch
+  options.task = check       ? Options::Task::check
+                 : explain   ? Options::Task::explain
+                 : launch    ? Options::Task::launch
                  : reference ? Options::Task::reference
                              : Options::Task::run;
   if (options.scene.empty() && !reference) {
-    throw coupling::InputError(fmt::format("which scene? give a .toml file or a folder that holds scene.toml; see '{} --help'", program));
+    throw coupling::InputError(
+        fmt::format("which scene? give a .toml file or a folder that holds scene.toml; see '{} --help'", program));
   }
   return options;
 }
@@ -133,8 +134,8 @@ std::string explain_report(const Scene& scene) {
   module(moving, "moving walls", "a pass over wall points");
   module(thin, "thin walls seen from one side", "checks near them when lists are built");
   module(scene.coupled(), "bodies (LIGGGHTS)",
-         fmt::format("points, loads, a message per partner rank and window of {} step{}", scene.coupling.steps_per_window,
-                     scene.coupling.steps_per_window == 1 ? "" : "s"));
+         fmt::format("points, loads, a message per partner rank and window of {} step{}",
+                     scene.coupling.steps_per_window, scene.coupling.steps_per_window == 1 ? "" : "s"));
   module(scene.coupled() && scene.coupling.predictor && scene.coupling.steps_per_window > 1, "predictor of the bodies",
          "a message between ranks that share a body, each step");
   module(scene.output.fields, "fields (HDF5)", "at output times");
@@ -172,7 +173,8 @@ Json run_water(const Scene& scene, const std::filesystem::path& folder, const co
   for (;;) {
     const double left = (scene.end_time - simulation.time()) / simulation.window_length();
     stopped = any_rank_asked_to_stop(own);
-    const int wanted = stopped ? 0 : static_cast<int>(std::clamp(std::ceil(left - 1e-6), 0.0, double{windows_per_epoch}));
+    const int wanted =
+        stopped ? 0 : static_cast<int>(std::clamp(std::ceil(left - 1e-6), 0.0, double{windows_per_epoch}));
     const int windows = simulation.begin_epoch(wanted);
     if (first && windows > 0) recorder.record(false);
     first = false;

@@ -12,7 +12,8 @@ using coupling::Vec3;
 
 namespace {
 
-/// Accelerations beyond this many g come from impacts shorter than the water resolves; the extrapolation leaves them out.
+/// Accelerations beyond this many g come from impacts shorter than the water resolves; the extrapolation leaves them
+/// out.
 constexpr double largest_acceleration_in_g = 2.0;
 
 Vec3 limited(const Vec3& vector, double largest) {
@@ -31,12 +32,14 @@ Vec3 angular_acceleration(const coupling::State& state, const Vec3& moments, con
 }  // namespace
 
 Bodies::Bodies(const Constants& constants, const std::vector<coupling::Shape>& shapes, int first_owner)
-    : constants_(constants), first_owner_(first_owner), gravity_(constants.gravity[0], constants.gravity[1], constants.gravity[2]) {
+    : constants_(constants),
+      first_owner_(first_owner),
+      gravity_(constants.gravity[0], constants.gravity[1], constants.gravity[2]) {
   for (const coupling::Shape& shape : shapes) {
-    shapes_.push_back({shape, shape.mass_properties(),
-                       shape.points(constants.particle_distance, constants.layers * constants.particle_distance,
-                                    constants.dimension),
-                       shape.bounding_radius()});
+    shapes_.push_back(
+        {shape, shape.mass_properties(),
+         shape.points(constants.particle_distance, constants.layers * constants.particle_distance, constants.dimension),
+         shape.bounding_radius()});
   }
 }
 
@@ -155,8 +158,7 @@ void Bodies::predict(std::span<const Load> total, double step) {
     coupling::State& state = bodies_[b].state;
     const auto& mass = shape_of(bodies_[b]).mass;
     state.velocity += step * ((total[b].force + state.contact_force) / mass.mass + gravity_);
-    state.angular_velocity +=
-        step * angular_acceleration(state, mass.inertia, total[b].torque + state.contact_torque);
+    state.angular_velocity += step * angular_acceleration(state, mass.inertia, total[b].torque + state.contact_torque);
   }
 }
 

@@ -8,28 +8,29 @@ namespace embacle::mps {
 
 struct Constants {
   int dimension = 3;
-  double particle_distance = 0;      ///< l0 [m]
-  double support = 0;                ///< r_e [m]
-  double skin = 0;                   ///< of the neighbour lists [m]
-  int layers = 0;                    ///< of wall points needed to fill the support
+  double particle_distance = 0;  ///< l0 [m]
+  double support = 0;            ///< r_e [m]
+  double skin = 0;               ///< of the neighbour lists [m]
+  int layers = 0;                ///< of wall points needed to fill the support
   KernelKind kernel = KernelKind::wendland;
-  double density = 0;                ///< rho0 [kg/m^3]
-  double particle_mass = 0;          ///< rho0 l0^d (times the thickness in 2-D) [kg]
-  double reference_speed = 0;        ///< largest speed expected [m/s]
-  double sound_speed = 0;            ///< c0 [m/s]
-  double step = 0;                   ///< time step [s]
-  double gravity[3] = {0, 0, 0};     ///< [m/s^2]
-  double gradient_factor = 0;        ///< d/n0
-  double laplacian_factor = 0;       ///< 2 d/(lambda n0)
-  double viscosity = 0;              ///< kinematic [m^2/s]
-  double artificial_viscosity = 0;   ///< alpha c0 l0 [m^2/s]
-  double density_diffusion = 0;      ///< delta' c0 l0 [m^2/s]
-  double collision_distance = 0;     ///< [m]
+  double density = 0;               ///< rho0 [kg/m^3]
+  double particle_mass = 0;         ///< rho0 l0^d (times the thickness in 2-D) [kg]
+  double reference_speed = 0;       ///< largest speed expected [m/s]
+  double sound_speed = 0;           ///< c0 [m/s]
+  double step = 0;                  ///< time step [s]
+  double gravity[3] = {0, 0, 0};    ///< [m/s^2]
+  double gradient_factor = 0;       ///< d/n0
+  double laplacian_factor = 0;      ///< 2 d/(lambda n0)
+  double viscosity = 0;             ///< kinematic [m^2/s]
+  double artificial_viscosity = 0;  ///< alpha c0 l0 [m^2/s]
+  double density_diffusion = 0;     ///< delta' c0 l0 [m^2/s]
+  double collision_distance = 0;    ///< [m]
   double collision_restitution = 0;
   LatticeSums lattice;
 };
 
-/// Reference speed [m/s] from the hydraulic head of the water, its initial velocity and the walls' motion, unless given.
+/// Reference speed [m/s] from the hydraulic head of the water, its initial velocity and the walls' motion, unless
+/// given.
 [[nodiscard]] double reference_speed(const Scene& scene);
 [[nodiscard]] Constants constants_of(const Scene& scene);
 

@@ -67,9 +67,16 @@ void Decomposition::partition(int dimension, const std::vector<double>& position
   check(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
   Zoltan_Struct* zoltan = Zoltan_Create(comm_);
   Points points{dimension, &positions, &weights};
-  for (const auto& [key, value] : {std::pair{"DEBUG_LEVEL", "0"}, {"LB_METHOD", "RCB"}, {"NUM_GID_ENTRIES", "1"}, {"NUM_LID_ENTRIES", "0"},
-                                   {"OBJ_WEIGHT_DIM", "1"}, {"KEEP_CUTS", "1"}, {"RETURN_LISTS", "NONE"},
-                                   {"RCB_OUTPUT_LEVEL", "0"}, {"RCB_RECTILINEAR_BLOCKS", "1"}, {"IMBALANCE_TOL", "1.01"}}) {
+  for (const auto& [key, value] : {std::pair{"DEBUG_LEVEL", "0"},
+                                   {"LB_METHOD", "RCB"},
+                                   {"NUM_GID_ENTRIES", "1"},
+                                   {"NUM_LID_ENTRIES", "0"},
+                                   {"OBJ_WEIGHT_DIM", "1"},
+                                   {"KEEP_CUTS", "1"},
+                                   {"RETURN_LISTS", "NONE"},
+                                   {"RCB_OUTPUT_LEVEL", "0"},
+                                   {"RCB_RECTILINEAR_BLOCKS", "1"},
+                                   {"IMBALANCE_TOL", "1.01"}}) {
     check(Zoltan_Set_Param(zoltan, key, value), key);
   }
   Zoltan_Set_Num_Geom_Fn(zoltan, number_of_dimensions, &points);

@@ -16,8 +16,8 @@ class Decomposition {
  public:
   explicit Decomposition(MPI_Comm comm);
 
-  /// Collective. `positions`: 3 per point [m]; `weights`: one per point. Afterwards every rank knows every box; together
-  /// they tile space (outer faces at +-infinity).
+  /// Collective. `positions`: 3 per point [m]; `weights`: one per point. Afterwards every rank knows every box;
+  /// together they tile space (outer faces at +-infinity).
   void partition(int dimension, const std::vector<double>& positions, const std::vector<float>& weights);
 
   [[nodiscard]] const std::vector<Box>& boxes() const { return boxes_; }

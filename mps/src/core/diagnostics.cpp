@@ -62,7 +62,8 @@ bool outside_tank(const Scene& scene, const double* x) {
       return std::find(wall.open.begin(), wall.open.end(), std::string{names[c], sign}) == wall.open.end();
     };
     for (int c = 0; c < scene.dimension; ++c) {
-      if ((x[c] < wall.region.lower[c] && closed(c, '-')) || (x[c] > wall.region.upper[c] && closed(c, '+'))) return true;
+      if ((x[c] < wall.region.lower[c] && closed(c, '-')) || (x[c] > wall.region.upper[c] && closed(c, '+')))
+        return true;
     }
   }
   return false;

@@ -81,9 +81,9 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
         wanted *= water.region.upper[c] - water.region.lower[c];
         got *= constants.particle_distance * static_cast<double>(lattice[c].size());
       }
-      result.warnings.push_back(fmt::format("{}:{}: water '{}' is no multiple of the particle distance: volume {:+.1f} %",
-                                            scene.file.filename().string(), water.line, water.name,
-                                            wanted > 0 ? 100 * (got / wanted - 1) : 0.0));
+      result.warnings.push_back(fmt::format(
+          "{}:{}: water '{}' is no multiple of the particle distance: volume {:+.1f} %", scene.file.filename().string(),
+          water.line, water.name, wanted > 0 ? 100 * (got / wanted - 1) : 0.0));
     }
     if (count == 0) continue;
     const Depth depth(scene, water);

@@ -97,8 +97,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       const Vec3 normal = bodies->outward_normal(b, place);
       const auto& state = bodies->all()[b].state;
       const Vec3 surface = state.velocity + state.angular_velocity.cross(place - state.position);
-      const Vec3 value =
-          push(distance, normal.dot(Vec3(record.v[0], record.v[1], record.v[2]) - surface)) * normal;
+      const Vec3 value = push(distance, normal.dot(Vec3(record.v[0], record.v[1], record.v[2]) - surface)) * normal;
       for (int c = 0; c < 3; ++c) acceleration[i][c] += value[c];
       const Vec3 force = -constants_.particle_mass * value;
       body_loads[b] += {force, (place - state.position).cross(force)};

@@ -10,22 +10,22 @@
 
 namespace embacle::mps {
 
-/// Water closer to a solid's true surface than a fraction of its spacing loses the normal velocity with which it approaches,
-/// and is pushed out by a spring. In water at rest particles keep about half a spacing, so nothing happens there; it acts
-/// in splashes and in gaps narrower than a particle, where the pressure extrapolated to one solid says nothing of the other.
-/// The force on a body is the exact opposite of that on the water.
+/// Water closer to a solid's true surface than a fraction of its spacing loses the normal velocity with which it
+/// approaches, and is pushed out by a spring. In water at rest particles keep about half a spacing, so nothing happens
+/// there; it acts in splashes and in gaps narrower than a particle, where the pressure extrapolated to one solid says
+/// nothing of the other. The force on a body is the exact opposite of that on the water.
 class Guard {
  public:
   Guard(const Scene& scene, const Constants& constants);
 
-  /// Adds to the acceleration of the own water, and the opposite forces to `wall_reaction` (one sum for all walls) and to
-  /// `body_loads` (one per body of this rank; ignored without bodies). `time` is that of the positions.
+  /// Adds to the acceleration of the own water, and the opposite forces to `wall_reaction` (one sum for all walls) and
+  /// to `body_loads` (one per body of this rank; ignored without bodies). `time` is that of the positions.
   void apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time, double step,
              std::vector<Triple>& acceleration, Triple& wall_reaction, std::vector<coupling::Load>& body_loads) const;
 
  private:
-  /// Acceleration magnitude along the outward normal for a place `distance` outside the surface (negative: inside), with
-  /// normal velocity `approach` relative to it (negative: approaching).
+  /// Acceleration magnitude along the outward normal for a place `distance` outside the surface (negative: inside),
+  /// with normal velocity `approach` relative to it (negative: approaching).
   [[nodiscard]] double push(double distance, double approach) const;
 
   struct Face {  ///< of a tank: the water is on the side of increasing sign * x[axis]

@@ -142,8 +142,8 @@ void Halo::update(Particles& particles, int first, int width, bool water, bool s
     const std::size_t incoming = (water ? link.receive_water : 0) + (solid ? link.receive_solid : 0);
     link.receive_buffer.resize(incoming * width);
     if (incoming > 0) {
-      MPI_Irecv(link.receive_buffer.data(), static_cast<int>(incoming * width), MPI_DOUBLE, link.rank, update_tag, comm_,
-                &requests.emplace_back());
+      MPI_Irecv(link.receive_buffer.data(), static_cast<int>(incoming * width), MPI_DOUBLE, link.rank, update_tag,
+                comm_, &requests.emplace_back());
     }
   }
   for (Link& link : links_) {

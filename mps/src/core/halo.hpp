@@ -14,10 +14,11 @@ class Halo {
  public:
   explicit Halo(MPI_Comm comm) : comm_(comm) {}
 
-  /// Sends every traveller to the rank that owns its place. `anywhere`: after a new decomposition a particle may go to any
-  /// rank, otherwise only to ranks within `reach`. Throws InstabilityError for a place that no rank owns (NaN) or that
-  /// lies beyond the neighbours.
-  void migrate(const Decomposition& decomposition, double reach, bool anywhere, std::vector<Traveller>& travellers) const;
+  /// Sends every traveller to the rank that owns its place. `anywhere`: after a new decomposition a particle may go to
+  /// any rank, otherwise only to ranks within `reach`. Throws InstabilityError for a place that no rank owns (NaN) or
+  /// that lies beyond the neighbours.
+  void migrate(const Decomposition& decomposition, double reach, bool anywhere,
+               std::vector<Traveller>& travellers) const;
 
   /// Ghosts: every own particle within `reach` of a neighbour's box is copied there; the plan stays for the updates.
   void build(const Decomposition& decomposition, double reach, Particles& particles);
@@ -35,8 +36,8 @@ class Halo {
   struct Link {
     int rank;
     std::vector<std::uint32_t> send_water, send_solid;
-    std::size_t receive_water = 0, receive_solid = 0;               ///< counts
-    std::size_t receive_water_begin = 0, receive_solid_begin = 0;   ///< first index
+    std::size_t receive_water = 0, receive_solid = 0;              ///< counts
+    std::size_t receive_water_begin = 0, receive_solid_begin = 0;  ///< first index
     std::vector<double> send_buffer, receive_buffer;
   };
   /// Copies `width` doubles a particle, from offset `first` of the record, of water and/or solid points.

@@ -11,9 +11,9 @@ namespace embacle::mps {
 /// (Laplacian), r in metres, both zero beyond the support.
 ///
 /// rational: W = r_e/r - 1 (Koshizuka & Oka 1996, doi:10.13182/NSE96-A24205).
-/// wendland: W = q^2 (1-q)^3, q = r/r_e: the gradient weight of a Wendland C2 kernel. Its particle number hardly depends
-/// on the arrangement of the particles (<= 0.05 % from a square to a hexagonal lattice, against 0.3-1.4 % of the rational
-/// weight), so a water column does not sink when its initial lattice repacks (docs/numerics.md).
+/// wendland: W = q^2 (1-q)^3, q = r/r_e: the gradient weight of a Wendland C2 kernel. Its particle number hardly
+/// depends on the arrangement of the particles (<= 0.05 % from a square to a hexagonal lattice, against 0.3-1.4 % of
+/// the rational weight), so a water column does not sink when its initial lattice repacks (docs/numerics.md).
 template <KernelKind K>
 struct Kernel {
   double inverse_support;  ///< 1/r_e [1/m]

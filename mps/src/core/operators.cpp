@@ -158,7 +158,8 @@ void advance_density(Particles& particles, const Neighbours& neighbours, const C
 
 void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, const Constants& constants,
                           const std::vector<Triple>& acceleration) {
-  dispatch(constants, [&]<int D, KernelKind K>() { extrapolate<D, K>(particles, neighbours, constants, acceleration); });
+  dispatch(constants,
+           [&]<int D, KernelKind K>() { extrapolate<D, K>(particles, neighbours, constants, acceleration); });
 }
 
 void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,

@@ -21,7 +21,8 @@ using Triple = std::array<double, 3>;
 void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants,
                      std::vector<double>& rate);
 
-/// Pressure of the own solid points near water, extrapolated from it (Adami et al. 2012, doi:10.1016/j.jcp.2012.05.005):
+/// Pressure of the own solid points near water, extrapolated from it (Adami et al. 2012,
+/// doi:10.1016/j.jcp.2012.05.005):
 ///   p_b = max(0, SUM F [p_f + rho0 (g - a_b).(r_b - r_f)] / SUM F).
 /// `acceleration`: of each wet point, in the order of neighbours.wet_points() (empty: all at rest or steady) [m/s^2].
 void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, const Constants& constants,
@@ -31,8 +32,8 @@ void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, co
 ///   a_i = g - (d/(rho0 n0)) SUM (p_i + p_j) r_ij F + (d/n0) alpha c0 l0 SUM ((v_j - v_i).r_ij/r^2) r_ij F
 ///         + nu (2d/(lambda n0)) SUM (v_j - v_i) F r^2 + collisions,
 /// the conjugate of the divergence above, so that pressure work and compression balance (thesis eq 5.15 with unit
-/// weights over the constant rho0, which keeps the pair forces antisymmetric). Walls and bodies enter the viscous sum with
-/// the mirrored velocity 2 v_b - v_i (no slip), only where the scene has a viscosity; otherwise they slip.
+/// weights over the constant rho0, which keeps the pair forces antisymmetric). Walls and bodies enter the viscous sum
+/// with the mirrored velocity 2 v_b - v_i (no slip), only where the scene has a viscosity; otherwise they slip.
 /// Collisions: pairs closer than the collision distance and approaching exchange the normal velocity
 /// (1 + epsilon)/2 (v_ij.e) e (thesis eq 5.38 with its sign corrected), on all water pairs; with a solid point the
 /// water takes (1 + epsilon) (v_ij.e) e when it is within half a particle distance, i.e. at the surface.

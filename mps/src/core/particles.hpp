@@ -24,9 +24,7 @@ struct RecordPack {
 
 inline RecordPack load(const Record* records, const std::uint32_t* index) {
   RecordPack pack;
-  const auto row = [&](int lane, int half) {
-    return *(reinterpret_cast<const Pack*>(records + index[lane]) + half);
-  };
+  const auto row = [&](int lane, int half) { return *(reinterpret_cast<const Pack*>(records + index[lane]) + half); };
   pack.x = row(0, 0);
   pack.y = row(1, 0);
   pack.z = row(2, 0);
@@ -42,9 +40,10 @@ inline RecordPack load(const Record* records, const std::uint32_t* index) {
 
 /// Identity of a particle.
 struct Identity {
-  std::int64_t id = 0;      ///< unique over all ranks for water; walls likewise; body points: -1
-  std::int32_t owner = -1;  ///< water: -1; walls: index of the wall; body points: number of walls + index of the body on this rank
-  std::int32_t point = 0;   ///< body points: index into the shape's points; walls: side (see Wall sides)
+  std::int64_t id = 0;  ///< unique over all ranks for water; walls likewise; body points: -1
+  std::int32_t owner =
+      -1;  ///< water: -1; walls: index of the wall; body points: number of walls + index of the body on this rank
+  std::int32_t point = 0;  ///< body points: index into the shape's points; walls: side (see Wall sides)
 };
 
 /// A particle as it travels between ranks.
@@ -53,14 +52,14 @@ struct Traveller {
   Identity identity;
 };
 
-/// All particles of a rank, in the order: own water, own solid points (walls, then bodies), ghost water, ghost solid points,
-/// and one sentinel far away, to which padded neighbour lists point.
+/// All particles of a rank, in the order: own water, own solid points (walls, then bodies), ghost water, ghost solid
+/// points, and one sentinel far away, to which padded neighbour lists point.
 class Particles {
  public:
   std::vector<Record> record = std::vector<Record>(1);
   std::vector<Identity> identity = std::vector<Identity>(1);
-  std::size_t water = 0;        ///< own water particles: [0, water)
-  std::size_t solid = 0;        ///< own solid points: [water, water + solid)
+  std::size_t water = 0;  ///< own water particles: [0, water)
+  std::size_t solid = 0;  ///< own solid points: [water, water + solid)
   std::size_t ghost_water = 0;
   std::size_t ghost_solid = 0;
 
@@ -87,7 +86,8 @@ inline void Particles::put_sentinel() {
   identity.emplace_back();
 }
 
-inline void Particles::assign(const std::vector<Traveller>& water_particles, const std::vector<Traveller>& solid_points) {
+inline void Particles::assign(const std::vector<Traveller>& water_particles,
+                              const std::vector<Traveller>& solid_points) {
   record.clear();
   identity.clear();
   for (const auto* group : {&water_particles, &solid_points}) {

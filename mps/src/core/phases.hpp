@@ -7,10 +7,23 @@
 
 namespace embacle::mps {
 
-enum class Phase { search, halo, continuity, walls, forces, integration, bodies, coupling, output, synchronisation, count };
+enum class Phase {
+  search,
+  halo,
+  continuity,
+  walls,
+  forces,
+  integration,
+  bodies,
+  coupling,
+  output,
+  synchronisation,
+  count
+};
 
 inline constexpr std::array<const char*, static_cast<std::size_t>(Phase::count)> phase_names = {
-    "search", "halo", "continuity", "walls", "forces", "integration", "bodies", "coupling", "output", "synchronisation"};
+    "search",      "halo",   "continuity", "walls",  "forces",
+    "integration", "bodies", "coupling",   "output", "synchronisation"};
 
 class Phases {
  public:

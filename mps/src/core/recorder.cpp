@@ -35,9 +35,10 @@ Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::
     if (simulation.bodies() != nullptr) {
       bodies_ = std::make_unique<CsvWriter>(
           folder_ / "bodies.csv",
-          std::vector<std::string>{"t [s]", "tag [-]", "x [m]", "y [m]", "z [m]", "qw [-]", "qx [-]", "qy [-]", "qz [-]",
-                                   "vx [m/s]", "vy [m/s]", "vz [m/s]", "wx [rad/s]", "wy [rad/s]", "wz [rad/s]", "fx [N]",
-                                   "fy [N]", "fz [N]", "tx [N m]", "ty [N m]", "tz [N m]"});
+          std::vector<std::string>{"t [s]",      "tag [-]",    "x [m]",      "y [m]",    "z [m]",    "qw [-]",
+                                   "qx [-]",     "qy [-]",     "qz [-]",     "vx [m/s]", "vy [m/s]", "vz [m/s]",
+                                   "wx [rad/s]", "wy [rad/s]", "wz [rad/s]", "fx [N]",   "fy [N]",   "fz [N]",
+                                   "tx [N m]",   "ty [N m]",   "tz [N m]"});
     }
     for (const Gauge& gauge : scene.gauges) {
       const char* column = gauge.kind == GaugeKind::pressure ? "pressure [Pa]"
@@ -98,7 +99,8 @@ void Recorder::write_bodies() {
     const auto& s = body.state;
     rows.push_back(static_cast<double>(body.tag));
     for (int c = 0; c < 3; ++c) rows.push_back(s.position[c]);
-    for (const double q : {s.orientation.w(), s.orientation.x(), s.orientation.y(), s.orientation.z()}) rows.push_back(q);
+    for (const double q : {s.orientation.w(), s.orientation.x(), s.orientation.y(), s.orientation.z()})
+      rows.push_back(q);
     for (const auto* v : {&s.velocity, &s.angular_velocity, &body.applied.force, &body.applied.torque}) {
       for (int c = 0; c < 3; ++c) rows.push_back((*v)[c]);
     }
@@ -147,10 +149,10 @@ void Recorder::write_energies() {
   deepest_ = std::max(deepest_, now_.deepest_in_body);
   largest_energy_gain_ = std::max(largest_energy_gain_, now_.energy.total() - start_.energy.total());
   if (rank_ != 0) return;
-  energies_->row(std::vector<double>{simulation_.time(), now_.energy.kinetic, now_.energy.potential, now_.energy.elastic,
-                                     now_.energy.total(), now_.mass, now_.momentum[0], now_.momentum[1], now_.momentum[2],
-                                     now_.volume_ratio, static_cast<double>(now_.outside_tank),
-                                     static_cast<double>(now_.inside_bodies), now_.deepest_in_body});
+  energies_->row(std::vector<double>{
+      simulation_.time(), now_.energy.kinetic, now_.energy.potential, now_.energy.elastic, now_.energy.total(),
+      now_.mass, now_.momentum[0], now_.momentum[1], now_.momentum[2], now_.volume_ratio,
+      static_cast<double>(now_.outside_tank), static_cast<double>(now_.inside_bodies), now_.deepest_in_body});
   energies_->flush();
 }
 
@@ -228,15 +230,14 @@ void Recorder::show_progress(bool last) {
   const double share = std::min(1.0, time / scene_.end_time);
   const double spent = now - began_;
   const double left = share > 0.005 ? spent * (1 - share) / share : NAN;
-  const std::string line =
-      fmt::format("{:5.1f} %  t = {:.4f} s of {:g} s  {} steps  {:.2f} M particle updates/s  {}", 100 * share, time,
-                  scene_.end_time, simulation_.counters().steps,
-                  spent > 0 ? 1e-6 * static_cast<double>(now_.particles) *
-                                  static_cast<double>(simulation_.counters().steps) / spent
-                            : 0.0,
-                  last ? fmt::format("{:.0f} s in all", spent)
-                       : std::isfinite(left) ? fmt::format("{:.0f} s left", left)
-                                             : std::string());
+  const std::string line = fmt::format(
+      "{:5.1f} %  t = {:.4f} s of {:g} s  {} steps  {:.2f} M particle updates/s  {}", 100 * share, time,
+      scene_.end_time, simulation_.counters().steps,
+      spent > 0 ? 1e-6 * static_cast<double>(now_.particles) * static_cast<double>(simulation_.counters().steps) / spent
+                : 0.0,
+      last                  ? fmt::format("{:.0f} s in all", spent)
+      : std::isfinite(left) ? fmt::format("{:.0f} s left", left)
+                            : std::string());
   fmt::print("{}{}{}", terminal ? "\r" : "", line, terminal && !last ? "\033[K" : "\n");
   std::fflush(stdout);
 }
@@ -246,16 +247,21 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   int size = 1;
   MPI_Comm_size(simulation_.comm(), &size);
   const Counters& counters = simulation_.counters();
-  std::int64_t sums[7] = {counters.water_updates, counters.particle_updates, counters.pair_sweeps,
-                          static_cast<std::int64_t>(simulation_.bytes()), simulation_.halo().bytes_sent(),
-                          simulation_.halo().messages_sent(), static_cast<std::int64_t>(simulation_.particles().own())};
+  std::int64_t sums[7] = {counters.water_updates,
+                          counters.particle_updates,
+                          counters.pair_sweeps,
+                          static_cast<std::int64_t>(simulation_.bytes()),
+                          simulation_.halo().bytes_sent(),
+                          simulation_.halo().messages_sent(),
+                          static_cast<std::int64_t>(simulation_.particles().own())};
   std::int64_t totals[7];
   MPI_Allreduce(sums, totals, 7, MPI_INT64_T, MPI_SUM, simulation_.comm());
-  double extremes[4] = {simulation_.extremes().speed, simulation_.extremes().compression, simulation_.extremes().pressure,
-                        simulation_.extremes().body_penetration};
+  double extremes[4] = {simulation_.extremes().speed, simulation_.extremes().compression,
+                        simulation_.extremes().pressure, simulation_.extremes().body_penetration};
   MPI_Allreduce(MPI_IN_PLACE, extremes, 4, MPI_DOUBLE, MPI_MAX, simulation_.comm());
   auto seconds = simulation_.phases().all();
-  MPI_Allreduce(MPI_IN_PLACE, seconds.data(), static_cast<int>(seconds.size()), MPI_DOUBLE, MPI_SUM, simulation_.comm());
+  MPI_Allreduce(MPI_IN_PLACE, seconds.data(), static_cast<int>(seconds.size()), MPI_DOUBLE, MPI_SUM,
+                simulation_.comm());
 
   Json json;
   json.set("title", scene_.title).set("scene", scene_.file.filename().string()).set("version", EMBACLE_VERSION);
@@ -275,11 +281,15 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   Json& phases = json.object("phase_seconds_mean_per_rank");
   for (std::size_t k = 0; k < seconds.size(); ++k) phases.set(phase_names[k], seconds[k] / size);
   Json& halo = json.object("halo");
-  halo.set("bytes_per_rank_and_step", static_cast<double>(totals[4]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
-  halo.set("messages_per_rank_and_step", static_cast<double>(totals[5]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
+  halo.set("bytes_per_rank_and_step",
+           static_cast<double>(totals[4]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
+  halo.set("messages_per_rank_and_step",
+           static_cast<double>(totals[5]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
   Json& energy = json.object("energy");
   energy.set("start_total", start_.energy.total()).set("end_total", now_.energy.total());
-  energy.set("kinetic", now_.energy.kinetic).set("potential", now_.energy.potential).set("elastic", now_.energy.elastic);
+  energy.set("kinetic", now_.energy.kinetic)
+      .set("potential", now_.energy.potential)
+      .set("elastic", now_.energy.elastic);
   energy.set("largest_gain", largest_energy_gain_);
   json.set("mass", now_.mass);
   json.set("momentum", Json::Array{now_.momentum[0], now_.momentum[1], now_.momentum[2]});
@@ -296,7 +306,8 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   }
   if (link != nullptr) {
     const coupling::LinkCounters& mine = link->counters();
-    std::int64_t link_sums[4] = {mine.messages_sent, mine.bytes_sent, mine.predictor_messages_sent, mine.plan_messages_sent};
+    std::int64_t link_sums[4] = {mine.messages_sent, mine.bytes_sent, mine.predictor_messages_sent,
+                                 mine.plan_messages_sent};
     std::int64_t link_most = mine.messages_sent;
     double waiting = mine.waiting_seconds;
     MPI_Allreduce(MPI_IN_PLACE, link_sums, 4, MPI_INT64_T, MPI_SUM, simulation_.comm());

@@ -192,7 +192,8 @@ void Simulation::integrate_velocities() {
     const bool sane = square < constants_.sound_speed * constants_.sound_speed && record.s > 0.5 && record.s < 2.0;
     if ((!inside || !sane) && failure_.empty()) {
       failure_ = fmt::format(
-          "step {}, t = {:.6g} s: water particle {} at ({:.5g}, {:.5g}, {:.5g}) m {}: speed {:.4g} m/s (sound speed {:.4g}), "
+          "step {}, t = {:.6g} s: water particle {} at ({:.5g}, {:.5g}, {:.5g}) m {}: speed {:.4g} m/s (sound speed "
+          "{:.4g}), "
           "density {:.4g} of rest",
           counters_.steps, time_, particles_.identity[i].id, record.x[0], record.x[1], record.x[2],
           inside ? "is unstable" : "left the domain", std::sqrt(square), constants_.sound_speed, record.s);
@@ -320,8 +321,9 @@ void Simulation::decompose() {
 void Simulation::remove_water_in_bodies() {
   auto water = own_water();
   const auto before = water.size();
-  // The lattice sites whose centre lies in a body make up the displaced volume; a site in a gap too narrow for a particle
-  // goes as well. (Removing all that is closer than half a spacing would take 3 % too much water from under the floes.)
+  // The lattice sites whose centre lies in a body make up the displaced volume; a site in a gap too narrow for a
+  // particle goes as well. (Removing all that is closer than half a spacing would take 3 % too much water from under
+  // the floes.)
   std::erase_if(water, [&](const Traveller& traveller) { return bodies_->displaces(traveller.record.x); });
   std::int64_t removed = static_cast<std::int64_t>(before - water.size());
   MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);

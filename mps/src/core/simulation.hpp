@@ -21,9 +21,9 @@ namespace embacle::mps {
 
 /// Largest values seen since the start, over this rank's particles.
 struct Extremes {
-  double speed = 0;            ///< [m/s]
-  double compression = 0;      ///< |rho/rho0 - 1|
-  double pressure = 0;         ///< [Pa]
+  double speed = 0;                  ///< [m/s]
+  double compression = 0;            ///< |rho/rho0 - 1|
+  double pressure = 0;               ///< [Pa]
   double body_penetration = -1e300;  ///< deepest place of a water particle below the surface of a body [m]
 };
 
@@ -32,15 +32,15 @@ struct Counters {
   std::int64_t steps = 0;
   std::int64_t builds = 0;
   std::int64_t decompositions = 0;
-  std::int64_t water_updates = 0;      ///< own water particles times steps
-  std::int64_t particle_updates = 0;   ///< own water and wet solid points times steps
-  std::int64_t pair_sweeps = 0;        ///< listed directed pairs (skin and padding included) times sweeps
+  std::int64_t water_updates = 0;     ///< own water particles times steps
+  std::int64_t particle_updates = 0;  ///< own water and wet solid points times steps
+  std::int64_t pair_sweeps = 0;       ///< listed directed pairs (skin and padding included) times sweeps
 };
 
 /// Conservation over one window, over all ranks (see Simulation::audit).
 struct Audit {
-  double reaction_mismatch = 0;   ///< |loads applied by the solids - reaction on the water| / |reaction|
-  double momentum_residual = 0;   ///< |change of momentum - gravity - walls - bodies| / (weight x time)
+  double reaction_mismatch = 0;  ///< |loads applied by the solids - reaction on the water| / |reaction|
+  double momentum_residual = 0;  ///< |change of momentum - gravity - walls - bodies| / (weight x time)
 };
 
 class Simulation {
@@ -103,17 +103,17 @@ class Simulation {
 
   std::vector<double> density_rate_;
   std::vector<Triple> acceleration_, reaction_, point_acceleration_;
-  std::vector<Triple> build_position_;        ///< of own particles when the lists were built
-  std::vector<coupling::Load> load_;          ///< this rank's part of the load on each body
-  Triple guard_reaction_{};                   ///< of the guard on all walls [N]
-  std::vector<coupling::Load> window_load_;   ///< mean partial load over the window so far
+  std::vector<Triple> build_position_;       ///< of own particles when the lists were built
+  std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body
+  Triple guard_reaction_{};                  ///< of the guard on all walls [N]
+  std::vector<coupling::Load> window_load_;  ///< mean partial load over the window so far
   bool lists_valid_ = false;
-  bool anywhere_ = true;                      ///< the next migration follows a new decomposition
+  bool anywhere_ = true;  ///< the next migration follows a new decomposition
   double time_ = 0;
   double imbalance_ = 1;
   std::int64_t removed_at_start_ = 0;
   bool started_ = false;
-  std::string failure_;                       ///< set by the rank that finds the simulation broken
+  std::string failure_;  ///< set by the rank that finds the simulation broken
   Triple window_momentum_change_{}, window_reaction_{};
   std::vector<std::string> warnings_;
   Extremes extremes_;

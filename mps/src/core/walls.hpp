@@ -13,8 +13,9 @@ namespace embacle::mps {
 [[nodiscard]] Vec3d displacement(const Motion& motion, double time);
 
 /// Sides of a wall point, stored in Identity::point. Points of thick walls are `both`. A wall thinner than the support
-/// gets, for each of its two sides, its own layers completed by extra layers behind, which only water on that side sees:
-/// a gate of one layer then holds water as a thick wall does, and the two waters do not feel each other through it.
+/// gets, for each of its two sides, its own layers completed by extra layers behind, which only water on that side
+/// sees: a gate of one layer then holds water as a thick wall does, and the two waters do not feel each other through
+/// it.
 enum WallSide : std::int32_t { both = 0, plus = 1, minus = -1, plus_extra = 2, minus_extra = -2 };
 
 /// A thin wall at its present place.

@@ -41,18 +41,19 @@ struct Wall {
   enum class Kind { tank, box };
   std::string name;
   Kind kind = Kind::box;
-  BoxRegion region;                ///< inner faces of a tank, outer faces of a box [m]
-  std::vector<std::string> open;   ///< of a tank: "x-", "x+", "y-", "y+", "z-", "z+"
+  BoxRegion region;               ///< inner faces of a tank, outer faces of a box [m]
+  std::vector<std::string> open;  ///< of a tank: "x-", "x+", "y-", "y+", "z-", "z+"
   std::optional<Motion> motion;
-  int line = 0;                    ///< line of the scene file, for messages
+  int line = 0;  ///< line of the scene file, for messages
 };
 
 /// Water that fills a box at the start (less what solids occupy).
 struct Water {
   std::string name;
-  BoxRegion region;                ///< [m]; empty (zero thickness) is allowed and gives no particles
-  Vec3d velocity{};                ///< initial [m/s]
-  /// Level [m] along the direction against gravity from which the initial pressure is hydrostatic; the region's top if unset.
+  BoxRegion region;  ///< [m]; empty (zero thickness) is allowed and gives no particles
+  Vec3d velocity{};  ///< initial [m/s]
+  /// Level [m] along the direction against gravity from which the initial pressure is hydrostatic; the region's top if
+  /// unset.
   std::optional<double> level;
   int line = 0;
 };
@@ -60,56 +61,56 @@ struct Water {
 struct Gauge {
   std::string name;
   GaugeKind kind = GaugeKind::level;
-  Vec3d position{};                ///< level: horizontal position of the column; pressure: the point; front: unused [m]
-  Vec3d direction{1, 0, 0};        ///< front: direction in which the farthest connected water is sought
+  Vec3d position{};          ///< level: horizontal position of the column; pressure: the point; front: unused [m]
+  Vec3d direction{1, 0, 0};  ///< front: direction in which the farthest connected water is sought
   int line = 0;
 };
 
 struct Fluid {
-  double density = 1000;             ///< [kg/m^3]
-  double kinematic_viscosity = 0;    ///< [m^2/s]; 0 leaves the viscous term out
-  Vec3d gravity{0, 0, -9.81};        ///< [m/s^2]; in 2-D {0, -9.81, 0}
+  double density = 1000;           ///< [kg/m^3]
+  double kinematic_viscosity = 0;  ///< [m^2/s]; 0 leaves the viscous term out
+  Vec3d gravity{0, 0, -9.81};      ///< [m/s^2]; in 2-D {0, -9.81, 0}
 };
 
 struct Numerics {
-  double particle_distance = 0;      ///< l0 [m], required
+  double particle_distance = 0;  ///< l0 [m], required
   KernelKind kernel = KernelKind::wendland;
-  double support = 0;                ///< r_e / l0; 0: the kernel's default
-  double cfl = 0.5;                  ///< of c0 + reference speed
-  double sound_speed = 0;            ///< c0 [m/s]; 0: ten times the reference speed
-  double reference_speed = 0;        ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
+  double support = 0;          ///< r_e / l0; 0: the kernel's default
+  double cfl = 0.5;            ///< of c0 + reference speed
+  double sound_speed = 0;      ///< c0 [m/s]; 0: ten times the reference speed
+  double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;
-  double density_diffusion = 0.15;   ///< delta' of notes: coefficient of c0 l0
-  double collision_distance = 0.9;   ///< in l0; 0 leaves the collision out
+  double density_diffusion = 0.15;  ///< delta' of notes: coefficient of c0 l0
+  double collision_distance = 0.9;  ///< in l0; 0 leaves the collision out
   double collision_restitution = 0.5;
   double skin = 0.3;                 ///< of the neighbour list, in l0
   double rebalance_imbalance = 1.1;  ///< re-decompose when the largest rank has this times the mean work
 };
 
 struct Coupling {
-  std::filesystem::path script;                   ///< LIGGGHTS input; empty: no solids
-  std::map<std::string, std::string> variables;   ///< passed to the script as -var name value
+  std::filesystem::path script;                  ///< LIGGGHTS input; empty: no solids
+  std::map<std::string, std::string> variables;  ///< passed to the script as -var name value
   int steps_per_window = 1;
   Scheme scheme = Scheme::serial;
   bool predictor = true;
 };
 
 struct Output {
-  double fields_every = 0;           ///< [s]; 0: only the start and the end
-  double bodies_every = 0;           ///< [s]; 0: a 1500th of the run
-  double gauges_every = 0;           ///< [s]; 0: a thousandth of the run
-  double energies_every = 0;         ///< [s]; 0: a hundredth of the run
+  double fields_every = 0;    ///< [s]; 0: only the start and the end
+  double bodies_every = 0;    ///< [s]; 0: a 1500th of the run
+  double gauges_every = 0;    ///< [s]; 0: a thousandth of the run
+  double energies_every = 0;  ///< [s]; 0: a hundredth of the run
   bool fields = true;
-  bool audit = false;                ///< check conservation every window (costs a reduction a window)
-  std::vector<double> pictures;      ///< times [s] of PNG snapshots
+  bool audit = false;            ///< check conservation every window (costs a reduction a window)
+  std::vector<double> pictures;  ///< times [s] of PNG snapshots
 };
 
 struct Scene {
-  std::filesystem::path file;        ///< absolute path of the scene file
+  std::filesystem::path file;  ///< absolute path of the scene file
   std::string title;
   int dimension = 3;
-  BoxRegion domain;                  ///< particles that leave it end the run with status 3 [m]
-  double thickness = 1;              ///< 2-D only: depth of the slice for loads on bodies [m]
+  BoxRegion domain;      ///< particles that leave it end the run with status 3 [m]
+  double thickness = 1;  ///< 2-D only: depth of the slice for loads on bodies [m]
   Fluid fluid;
   Numerics numerics;
   std::vector<Water> water;
@@ -117,7 +118,7 @@ struct Scene {
   std::vector<Gauge> gauges;
   Coupling coupling;
   Output output;
-  double end_time = 0;               ///< [s]
+  double end_time = 0;                       ///< [s]
   std::map<std::string, double> parameters;  ///< the scene's own parameters, after --set, in SI
 
   [[nodiscard]] bool coupled() const { return !coupling.script.empty(); }

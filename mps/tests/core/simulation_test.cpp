@@ -116,7 +116,8 @@ TEST(Simulation, ABrokenRunNamesStepPlaceAndQuantity) {
     FAIL() << "an unstable time step went unnoticed";
   } catch (const coupling::InstabilityError& error) {
     const std::string message = error.what();
-    for (const char* word : {"step", "t =", "speed", " m", "particle"}) EXPECT_NE(message.find(word), std::string::npos) << message;
+    for (const char* word : {"step", "t =", "speed", " m", "particle"})
+      EXPECT_NE(message.find(word), std::string::npos) << message;
   }
 }
 

@@ -16,13 +16,15 @@
 // before the first window: see `FluidTerms::scheme`). That first pair, send_loads and receive_loads directly after the
 // first plan, comes once in a run; later epochs of the parallel scheme start with the last loads of the epoch before.
 //
-// Bodies: a body is planned at the fluid ranks that its surface can reach and at the solid ranks to which it can migrate
-// within the epoch; regions must not change within an epoch. A body inserted within an epoch is unknown to the fluid until
-// the next plan. A body deleted within an epoch stays at rest for the fluid, marked `vanished`, until the next plan.
+// Bodies: a body is planned at the fluid ranks that its surface can reach and at the solid ranks to which it can
+// migrate within the epoch; regions must not change within an epoch. A body inserted within an epoch is unknown to the
+// fluid until the next plan. A body deleted within an epoch stays at rest for the fluid, marked `vanished`, until the
+// next plan.
 //
-// Shared layout: both participants of a rank call this interface from the two threads of a Turnstile. Every rank then works
-// in the same order, water of window 1, solids of window 1, water of window 2, ..., and control changes only inside calls of
-// the links. So blocking collectives of either side, between calls of its link, cannot block the other side's.
+// Shared layout: both participants of a rank call this interface from the two threads of a Turnstile. Every rank then
+// works in the same order, water of window 1, solids of window 1, water of window 2, ..., and control changes only
+// inside calls of the links. So blocking collectives of either side, between calls of its link, cannot block the other
+// side's.
 #pragma once
 
 #include <mpi.h>
@@ -47,13 +49,13 @@ enum class Scheme : int { serial = 0, parallel = 1 };
 /// Both programs of `mpirun A : B` call this once, first: splits MPI_COMM_WORLD by role.
 /// In the shared layout every rank holds both roles and passes `layout_shared`.
 struct Participants {
-  MPI_Comm world = MPI_COMM_NULL;           ///< all ranks of both sides (a private duplicate)
-  MPI_Comm fluid_side = MPI_COMM_NULL;      ///< the fluid ranks, private to FluidLink; null on other ranks
-  MPI_Comm solid_side = MPI_COMM_NULL;      ///< the solid ranks, private to SolidLink; null on other ranks
-  std::vector<int> fluid_ranks;             ///< world ranks that carry a piece of the fluid, in fluid-rank order
-  std::vector<int> solid_ranks;             ///< likewise for the solid
-  bool shared = false;                      ///< every rank carries both sides
-  std::shared_ptr<struct LocalOrder> order; ///< shared layout: who of this rank's two participants may go on
+  MPI_Comm world = MPI_COMM_NULL;            ///< all ranks of both sides (a private duplicate)
+  MPI_Comm fluid_side = MPI_COMM_NULL;       ///< the fluid ranks, private to FluidLink; null on other ranks
+  MPI_Comm solid_side = MPI_COMM_NULL;       ///< the solid ranks, private to SolidLink; null on other ranks
+  std::vector<int> fluid_ranks;              ///< world ranks that carry a piece of the fluid, in fluid-rank order
+  std::vector<int> solid_ranks;              ///< likewise for the solid
+  bool shared = false;                       ///< every rank carries both sides
+  std::shared_ptr<struct LocalOrder> order;  ///< shared layout: who of this rank's two participants may go on
 };
 
 /// Separate ranks: `role` is this program's. Collective over MPI_COMM_WORLD. `own` receives this side's communicator.
@@ -66,57 +68,57 @@ void release(Participants& participants);
 
 /// What the fluid states at the handshake and the solid must accept.
 struct FluidTerms {
-  Vec3 gravity = Vec3::Zero();       ///< [m/s^2]
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
   int dimension = 3;
   Scheme scheme = Scheme::serial;
-  double particle_distance = 0;      ///< l0 [m]: spacing of the points at which surface pressures are given
-  double point_depth = 0;            ///< depth [m] of body points that the fluid uses
-  double reach = 0;                  ///< distance [m] from a body's surface within which a fluid rank must know it
-  double reference_speed = 0;        ///< largest speed expected [m/s]; bounds how far a body moves in an epoch
-  double fluid_density = 0;          ///< [kg/m^3]
+  double particle_distance = 0;  ///< l0 [m]: spacing of the points at which surface pressures are given
+  double point_depth = 0;        ///< depth [m] of body points that the fluid uses
+  double reach = 0;              ///< distance [m] from a body's surface within which a fluid rank must know it
+  double reference_speed = 0;    ///< largest speed expected [m/s]; bounds how far a body moves in an epoch
+  double fluid_density = 0;      ///< [kg/m^3]
 };
 
 /// What the solid states at the handshake and the fluid must accept.
 struct SolidTerms {
-  Vec3 gravity = Vec3::Zero();       ///< [m/s^2]; compared with the fluid's
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]; compared with the fluid's
   std::string units = "si";
-  Box domain;                        ///< the solid side's simulation box [m]
-  int surface_pressure_every = 0;    ///< windows between surface-pressure messages; 0: not subscribed
-  std::vector<Shape> shapes;         ///< all shapes that can appear during the run (the same on every solid rank)
+  Box domain;                      ///< the solid side's simulation box [m]
+  int surface_pressure_every = 0;  ///< windows between surface-pressure messages; 0: not subscribed
+  std::vector<Shape> shapes;       ///< all shapes that can appear during the run (the same on every solid rank)
 };
 
 /// Terms of an epoch, agreed by `plan`.
 struct Epoch {
-  int windows = 0;         ///< number of windows until the next plan; 0: the run is finished
-  double window = 0;       ///< length of each window [s]
-  double time = 0;         ///< time at the start of the epoch [s]
-  bool checkpoint = false; ///< both sides write a checkpoint now
+  int windows = 0;          ///< number of windows until the next plan; 0: the run is finished
+  double window = 0;        ///< length of each window [s]
+  double time = 0;          ///< time at the start of the epoch [s]
+  bool checkpoint = false;  ///< both sides write a checkpoint now
 };
 
 /// Counted since the start, on this rank.
 struct LinkCounters {
   std::int64_t windows = 0;
-  std::int64_t messages_sent = 0;    ///< window messages (loads, states, surface pressures); not plans
+  std::int64_t messages_sent = 0;  ///< window messages (loads, states, surface pressures); not plans
   std::int64_t bytes_sent = 0;
   std::int64_t plan_messages_sent = 0;
   std::int64_t predictor_messages_sent = 0;  ///< partial loads between fluid ranks that share a body
-  double waiting_seconds = 0;        ///< wall time blocked on the other side
+  double waiting_seconds = 0;                ///< wall time blocked on the other side
 };
 
 /// A body as a fluid rank knows it during an epoch.
 struct FluidBody {
   BodyTag tag = 0;
-  int shape = 0;                     ///< index into SolidTerms::shapes
-  State state;                       ///< at the end of the last received window
-  Load applied;                      ///< load that the solid side applied in its last window (summed over fluid ranks)
-  std::vector<int> sharers;          ///< fluid ranks (fluid communicator) that know this body, ascending, self included
-  bool vanished = false;             ///< the solid side deleted it within the epoch: stays at rest until the next plan
+  int shape = 0;             ///< index into SolidTerms::shapes
+  State state;               ///< at the end of the last received window
+  Load applied;              ///< load that the solid side applied in its last window (summed over fluid ranks)
+  std::vector<int> sharers;  ///< fluid ranks (fluid communicator) that know this body, ascending, self included
+  bool vanished = false;     ///< the solid side deleted it within the epoch: stays at rest until the next plan
 };
 
 struct BodyPressures {
   BodyTag tag = 0;
-  std::vector<int> point;            ///< indices into Shape::points(...)
-  std::vector<double> pressure;      ///< [Pa]
+  std::vector<int> point;        ///< indices into Shape::points(...)
+  std::vector<double> pressure;  ///< [Pa]
 };
 
 /// A wait that lets the other participant of the same rank run; set by the shared layout (see turnstile.hpp).

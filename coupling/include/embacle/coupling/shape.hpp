@@ -14,23 +14,23 @@ enum class ShapeKind : int { box, sphere, cylinder };
 
 /// Exact mass properties of a homogeneous shape about its centre of mass, in the body frame (principal axes).
 struct MassProperties {
-  double volume = 0;             ///< [m^3]
-  double mass = 0;               ///< [kg]
-  Vec3 inertia = Vec3::Zero();   ///< principal moments [kg m^2]
+  double volume = 0;            ///< [m^3]
+  double mass = 0;              ///< [kg]
+  Vec3 inertia = Vec3::Zero();  ///< principal moments [kg m^2]
 };
 
 /// A point of a shape that the fluid sees, in the body frame.
 struct ShapePoint {
-  Vec3 position;                 ///< relative to the centre of mass [m]
-  Vec3 normal = Vec3::Zero();    ///< outward unit normal of the nearest face; zero for interior points
-  double area = 0;               ///< share of the surface [m^2]; zero for interior points. Sums to the shape's area.
+  Vec3 position;               ///< relative to the centre of mass [m]
+  Vec3 normal = Vec3::Zero();  ///< outward unit normal of the nearest face; zero for interior points
+  double area = 0;             ///< share of the surface [m^2]; zero for interior points. Sums to the shape's area.
   [[nodiscard]] bool on_surface() const { return area > 0; }
 };
 
 /// A sphere of the solid's covering, in the body frame.
 struct CoveringSphere {
-  Vec3 centre;      ///< [m]
-  double radius;    ///< [m]
+  Vec3 centre;    ///< [m]
+  double radius;  ///< [m]
 };
 
 /// A homogeneous rigid shape; the body frame has its origin at the centre of mass and the principal axes.

@@ -7,8 +7,8 @@
 
 namespace embacle::coupling {
 
-/// Runs two bodies of code on two threads of which exactly one runs at any moment (a baton). A side hands over only when
-/// it waits for the coupling, through yield(), so MPI_THREAD_SERIALIZED is enough and the order of execution is
+/// Runs two bodies of code on two threads of which exactly one runs at any moment (a baton). A side hands over only
+/// when it waits for the coupling, through yield(), so MPI_THREAD_SERIALIZED is enough and the order of execution is
 /// deterministic. If a side throws, the exception leaves run() after the other side was released with `Interrupted`.
 class Turnstile {
  public:

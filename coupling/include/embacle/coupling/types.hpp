@@ -74,8 +74,8 @@ struct State {
   Quaternion orientation = Quaternion::Identity();  ///< body frame to global frame
   Vec3 velocity = Vec3::Zero();                     ///< of the centre of mass [m/s]
   Vec3 angular_velocity = Vec3::Zero();             ///< global frame [rad/s]
-  Vec3 contact_force = Vec3::Zero();                ///< mean force over the last window other than water and gravity [N]
-  Vec3 contact_torque = Vec3::Zero();               ///< mean torque likewise, about the centre of mass [N m]
+  Vec3 contact_force = Vec3::Zero();   ///< mean force over the last window other than water and gravity [N]
+  Vec3 contact_torque = Vec3::Zero();  ///< mean torque likewise, about the centre of mass [N m]
 };
 
 /// Force and torque of the water on a body, about its centre of mass, in the global frame.
