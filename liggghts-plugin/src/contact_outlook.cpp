@@ -207,7 +207,7 @@ SubSteps ContactOutlook::choose(double window) {
   for (int i = 0; i < atom->nlocal; ++i) bound[1] = std::max(bound[1], VecMap(atom->v[i]).norm());
   bound[2] = largest_displacement();
   MPI_Allreduce(MPI_IN_PLACE, bound.data(), static_cast<int>(bound.size()), MPI_DOUBLE, MPI_MAX, lammps_->world);
-  const auto [acceleration, speed, displacement, wall_speed] = bound;
+  const double acceleration = bound[0], speed = bound[1], displacement = bound[2], wall_speed = bound[3];
 
   Nearest nearest{window, acceleration, modulus_, rule_.minimum_speed, false, false, infinity, {}};
   bool meshes = false;

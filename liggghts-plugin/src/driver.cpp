@@ -67,7 +67,7 @@ void report_on_screen(LAMMPS* lammps, const SolidReport& report) {
 }  // namespace
 
 int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const std::vector<std::string>& arguments,
-                 SolidReport& report, coupling::YieldHook yield) {
+                 SolidReport& report, const coupling::YieldHook& yield) {
   const double start = MPI_Wtime();
   const bool fluid_present = participants.world != MPI_COMM_NULL;
   const std::string script = option_value(arguments, "-in", "-i");
@@ -82,6 +82,7 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
     if ((words[i - 1] == "-screen" || words[i - 1] == "-sc") && words[i] == "none") words[i] = "/dev/null";
   }
   std::vector<char*> argv;
+  argv.reserve(words.size());
   for (std::string& word : words) argv.push_back(word.data());
 
   LAMMPS* lammps = nullptr;  // not destroyed after an exception: LIGGGHTS is then in an unknown state

@@ -49,6 +49,6 @@ std::string to_json(const SolidReport& report);
 /// Returns 0. Throws RunError: InputError for an error of the script, LIGGGHTS' own included, with the script's name
 /// and line. After an exception LIGGGHTS cannot be used again in this process, and its files may be incomplete.
 int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const std::vector<std::string>& arguments,
-                 SolidReport& report, coupling::YieldHook yield = {});
+                 SolidReport& report, const coupling::YieldHook& yield = {});
 
 }  // namespace embacle::liggghts
