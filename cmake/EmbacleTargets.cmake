@@ -12,7 +12,7 @@ set(CMAKE_INSTALL_RPATH $ORIGIN/../${CMAKE_INSTALL_LIBDIR})
 add_library(embacle_options INTERFACE)
 target_compile_features(embacle_options INTERFACE cxx_std_20)
 target_compile_options(embacle_options INTERFACE
-  -Wno-restrict  # false positives of GCC 12 in std::string
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false positives of GCC 12 in std::string
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual
   $<$<BOOL:${EMBACLE_WERROR}>:-Werror>
   $<$<BOOL:${EMBACLE_NATIVE}>:-march=native>

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/application.hpp"
@@ -52,9 +53,16 @@ void run(const mps::Options& options) {
     summary.set("layout", "shared").set("solid_ranks", ranks);
     mps::Json& part = summary.object("solid");
     part.set("step_seconds_mean_per_rank", seconds[0] / ranks).set("script_seconds_mean_per_rank", seconds[1] / ranks);
+    // Of the water's waiting for states, what the solids of this rank did not use themselves is waiting for other
+    // ranks.
+    const double wall = summary.number("wall_seconds");
+    part.set("share_of_wall_time", seconds[0] / ranks / wall);
     part.set("bodies", report.bodies).set("covering_spheres", report.covering_spheres);
     part.set("sub_steps", report.sub_steps).set("sub_steps_mean", report.mean_sub_steps());
     part.set("sub_steps_most", report.most_sub_steps).set("resolved_windows", report.resolved_windows);
+    mps::Json& link = summary.object("coupling");
+    link.set("waiting_share_of_wall_time",
+             std::max(0.0, link.number("waiting_seconds_mean_per_rank") - (seconds[0] + seconds[1]) / ranks) / wall);
     mps::write_json(folder / "summary.json", summary);
   }
 }

@@ -42,6 +42,11 @@ void run(const Options& options, int rank) {
   MPI_Comm_rank(own, &own_rank);
   if (own_rank == 0) {
     summary.set("layout", scene.coupled() ? "separate" : "fluid only");
+    if (scene.coupled()) {
+      embacle::mps::Json& link = summary.object("coupling");
+      link.set("waiting_share_of_wall_time",
+               link.number("waiting_seconds_mean_per_rank") / summary.number("wall_seconds"));
+    }
     summary.set("solid_ranks", static_cast<std::int64_t>(participants.solid_ranks.size()));
     embacle::mps::write_json(options.out / "summary.json", summary);
   }

@@ -19,9 +19,9 @@ struct WaterState {
   std::int64_t particles = 0;
   double mass = 0;  ///< [kg]
   Energies energy;
-  Triple momentum{};        ///< [N s]
-  double volume_ratio = 1;  ///< volume that the interior water occupies over that of the rest lattice, from the
-                            ///< particles' arrangement alone; 1 at the start
+  Triple momentum{};               ///< [N s]
+  double volume_ratio = 1;         ///< volume that the interior water occupies over that of the rest lattice, from the
+                                   ///< particles' arrangement alone; 1 at the start
   double interior_share = 0;       ///< share of the particles on which volume_ratio rests
   std::int64_t outside_tank = 0;   ///< water particles beyond a closed face of a tank
   std::int64_t inside_bodies = 0;  ///< water particles whose centre lies inside a body

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "files.hpp"
@@ -12,7 +13,7 @@ namespace embacle::mps {
 namespace {
 
 /// JSON knows no infinity and no NaN: both become null.
-std::string number(double value) {
+std::string number_text(double value) {
   if (!std::isfinite(value)) return "null";
   std::array<char, 32> digits{};
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
@@ -66,6 +67,12 @@ Json::Value& Json::slot(const std::string& key) {
   return members_.emplace_back(key, Value{}).second;
 }
 
+double Json::number(const std::string& key) const {
+  const auto found = std::find_if(members_.begin(), members_.end(), [&](const auto& m) { return m.first == key; });
+  const double* value = found != members_.end() ? std::get_if<double>(&found->second) : nullptr;
+  return value != nullptr ? *value : std::numeric_limits<double>::quiet_NaN();
+}
+
 Json& Json::set(const std::string& key, double value) {
   slot(key) = value;
   return *this;
@@ -113,11 +120,11 @@ std::string Json::text(int indent) const {
   std::string close(1, '\n');
   close.append(static_cast<std::size_t>(indent), ' ').append(1, '}');
   const auto value_text = Overloaded{
-      [](double value) { return number(value); },
+      [](double value) { return number_text(value); },
       [](std::int64_t value) { return std::to_string(value); },
       [](bool value) { return std::string(value ? "true" : "false"); },
       [](const std::string& value) { return quoted(value); },
-      [](const Array& values) { return list("[", values, ", ", "]", number); },
+      [](const Array& values) { return list("[", values, ", ", "]", number_text); },
       [](const std::vector<std::string>& values) { return list("[", values, ", ", "]", quoted); },
       [&](const Objects& objects) {
         if (!objects.array) return objects.items.front().text(indent + 2);

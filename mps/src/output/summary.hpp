@@ -24,6 +24,8 @@ class Json {
   Json& set(const std::string& key, const std::vector<std::string>& values);
   Json& object(const std::string& key);  ///< nested object, created on first use
   Json& append(const std::string& key);  ///< new last object of an array of objects; valid until the next append to it
+  /// A number set before; NaN if there is none under this key.
+  [[nodiscard]] double number(const std::string& key) const;
   [[nodiscard]] std::string text(int indent = 0) const;
 
  private:
