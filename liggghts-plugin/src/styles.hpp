@@ -1,7 +1,7 @@
 // The styles this plugin adds to LIGGGHTS.
 #pragma once
 
-namespace LAMMPS_NS {
+namespace LAMMPS_NS {  // NOLINT(readability-identifier-naming): their name
 class LAMMPS;
 }
 

@@ -117,7 +117,8 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
       Pack along = f * (pressure_factor * (me.p + other.p));
       if constexpr (Water) along += f * (damping_factor * approach);
       const Pack impulse = approach * (Water ? water_impulse : solid_impulse);
-      along += (r2 < (Water ? water_collision : solid_collision)) & (approach < 0.0) ? impulse : splat(0.0);
+      const auto collides = (r2 < (Water ? water_collision : solid_collision)) & (approach < 0.0);
+      along += collides ? impulse : splat(0.0);
       Pack fx = along * dx, fy = along * dy, fz = along * dz;
       if constexpr (Viscous) {
         const Pack laplacian = f * r2 * (Water ? viscous_factor : 2.0 * viscous_factor);

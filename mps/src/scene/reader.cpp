@@ -43,7 +43,7 @@ class Reader {
       if (const auto* inner = section_table(*motion, path + ".motion"))
         read_section(*inner, path + ".motion", schema().motion, *wall.motion);
     });
-    read_repeated(all.gauge, scene.gauges, [this](Gauge& gauge, const toml::table&, const std::string&) {
+    read_repeated(all.gauge, scene.gauges, [](Gauge& gauge, const toml::table&, const std::string&) {
       const double length = std::hypot(gauge.direction[0], gauge.direction[1], gauge.direction[2]);
       if (length > 0)
         for (double& component : gauge.direction) component /= length;
@@ -343,7 +343,8 @@ class Reader {
     for (const auto& [name, node] : table) {
       const std::string child = joined(path, name.str());
       if (const Field<T>* field = section.find(name.str()))
-        std::visit([&](auto* out) { read_value(node, child, field->key, *out); }, field->target(object));
+        std::visit([&, &value = node](auto* out) { read_value(value, child, field->key, *out); },
+                   field->target(object));
       else if (std::find(section.tables.begin(), section.tables.end(), name.str()) == section.tables.end())
         unknown(std::string(name.str()), node, child, section);
     }

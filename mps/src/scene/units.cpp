@@ -141,6 +141,7 @@ const Unit& find_unit(std::string_view name) {
   const auto found = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
   if (found != units.end()) return *found;
   std::vector<std::string> names;
+  names.reserve(std::size(units));
   for (const Unit& unit : units) names.emplace_back(unit.name);
   throw QuantityError("unknown unit '" + std::string(name) + "'" + did_you_mean(name, names));
 }
