@@ -13,6 +13,20 @@ namespace {
 
 double or_else(double value, double fallback) { return value > 0 ? value : fallback; }
 
+/// All ranks' values one after the other, on the first rank; empty on the others. Collective.
+std::vector<double> gather_on_first(const std::vector<double>& values, MPI_Comm comm) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+  std::vector<int> counts(size), offsets(size);
+  const int mine = static_cast<int>(values.size());
+  MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  for (int r = 1; r < size; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
+  std::vector<double> all(rank == 0 ? offsets[size - 1] + counts[size - 1] : 0);
+  MPI_Gatherv(values.data(), mine, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, comm);
+  return all;
+}
+
 Json::Array array_of(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
@@ -105,15 +119,7 @@ void Recorder::write_bodies() {
       for (int c = 0; c < 3; ++c) rows.push_back((*v)[c]);
     }
   }
-  int size = 1;
-  MPI_Comm_size(simulation_.comm(), &size);
-  std::vector<int> counts(size), offsets(size);
-  const int mine = static_cast<int>(rows.size());
-  MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, simulation_.comm());
-  for (int r = 1; r < size; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
-  std::vector<double> all(rank_ == 0 ? offsets[size - 1] + counts[size - 1] : 0);
-  MPI_Gatherv(rows.data(), mine, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0,
-              simulation_.comm());
+  const std::vector<double> all = gather_on_first(rows, simulation_.comm());
   std::vector<const double*> sorted;
   for (std::size_t k = 0; k + width <= all.size(); k += width) sorted.push_back(&all[k]);
   std::sort(sorted.begin(), sorted.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
@@ -165,15 +171,7 @@ void Recorder::write_stage() const {
       packed.push_back(body.shape);
     }
   }
-  int size = 1;
-  MPI_Comm_size(simulation_.comm(), &size);
-  std::vector<int> counts(size), offsets(size);
-  const int count = static_cast<int>(packed.size());
-  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, simulation_.comm());
-  for (int r = 1; r < size; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
-  std::vector<double> all(rank_ == 0 ? offsets[size - 1] + counts[size - 1] : 0);
-  MPI_Gatherv(packed.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0,
-              simulation_.comm());
+  const std::vector<double> all = gather_on_first(packed, simulation_.comm());
   if (rank_ != 0) return;
   Json json;
   json.set("title", scene_.title);
