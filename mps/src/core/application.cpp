@@ -130,7 +130,7 @@ std::string explain_report(const Scene& scene) {
   module(n.density_diffusion > 0, "density diffusion", "in the density sweep");
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
   module(n.collision_distance > 0, "particle collision", "in the force sweep");
-  module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep, 10 % of it");
+  module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
   module(solids, "walls: extrapolated pressure", "a sweep over wet wall points");
   module(moving, "moving walls", "a pass over wall points");
   module(thin, "thin walls seen from one side", "checks near them when lists are built");
