@@ -54,19 +54,21 @@ double lattice_arrangement(const Constants& constants) {
   return sum;
 }
 
-bool outside_tank(const Scene& scene, const double* x) {
+/// How far [m] a place lies beyond the closed faces of a tank; negative inside.
+double outside_tank(const Scene& scene, const double* x) {
   static constexpr const char* names = "xyz";
+  double farthest = -std::numeric_limits<double>::infinity();
   for (const Wall& wall : scene.walls) {
     if (wall.kind != Wall::Kind::tank) continue;
     const auto closed = [&](int c, char sign) {
       return std::find(wall.open.begin(), wall.open.end(), std::string{names[c], sign}) == wall.open.end();
     };
     for (int c = 0; c < scene.dimension; ++c) {
-      if ((x[c] < wall.region.lower[c] && closed(c, '-')) || (x[c] > wall.region.upper[c] && closed(c, '+')))
-        return true;
+      if (closed(c, '-')) farthest = std::max(farthest, wall.region.lower[c] - x[c]);
+      if (closed(c, '+')) farthest = std::max(farthest, x[c] - wall.region.upper[c]);
     }
   }
-  return false;
+  return farthest;
 }
 
 double dot(const double* a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -79,7 +81,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   const double full = lattice_arrangement(c);
   const double tait = c.sound_speed * c.sound_speed / 7.0;
   double sums[11] = {};
-  double deepest = -1e300;
+  double deepest[2] = {0, 0};  // in a body, beyond a tank
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& record = particles.record[i];
     const double m = c.particle_mass;
@@ -98,17 +100,18 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
       sums[7] += 1;
       sums[8] += (1.0 + full) / (1.0 + around.sum);
     }
-    sums[9] += outside_tank(scene, record.x) ? 1 : 0;
+    const double outside = outside_tank(scene, record.x);
+    sums[9] += outside > 0 ? 1 : 0;
+    deepest[1] = std::max(deepest[1], outside);
     if (simulation.bodies() != nullptr) {
       const double depth = simulation.bodies()->penetration(record.x);
       sums[10] += depth > 0 ? 1 : 0;
-      deepest = std::max(deepest, depth);
+      deepest[0] = std::max(deepest[0], depth);
     }
   }
   double total[11];
-  double all_deepest = 0;
   MPI_Allreduce(sums, total, 11, MPI_DOUBLE, MPI_SUM, simulation.comm());
-  MPI_Allreduce(&deepest, &all_deepest, 1, MPI_DOUBLE, MPI_MAX, simulation.comm());
+  MPI_Allreduce(MPI_IN_PLACE, deepest, 2, MPI_DOUBLE, MPI_MAX, simulation.comm());
   WaterState state;
   state.particles = static_cast<std::int64_t>(total[0]);
   state.mass = total[0] * c.particle_mass;
@@ -118,7 +121,8 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   state.interior_share = total[0] > 0 ? total[7] / total[0] : 0;
   state.outside_tank = static_cast<std::int64_t>(total[9]);
   state.inside_bodies = static_cast<std::int64_t>(total[10]);
-  state.deepest_in_body = std::max(0.0, all_deepest);
+  state.deepest_in_body = deepest[0];
+  state.farthest_outside_tank = deepest[1];
   return state;
 }
 

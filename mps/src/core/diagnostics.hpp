@@ -26,6 +26,7 @@ struct WaterState {
   std::int64_t outside_tank = 0;   ///< water particles beyond a closed face of a tank
   std::int64_t inside_bodies = 0;  ///< water particles whose centre lies inside a body
   double deepest_in_body = 0;      ///< [m]
+  double farthest_outside_tank = 0;  ///< [m]
 };
 
 [[nodiscard]] WaterState measure(const Simulation& simulation, const Scene& scene);

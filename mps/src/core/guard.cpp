@@ -55,7 +55,11 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     const Vec3d before = displacement(*motion, time - step);
     for (int c = 0; c < 3; ++c) poses[w].velocity[c] = (poses[w].moved[c] - before[c]) / step;
   }
-  const auto push_from_wall = [&](std::size_t i, int axis, double sign, double value) {
+  const auto push_from_wall = [&](std::size_t i, int axis, double sign, double distance, double approach) {
+    double value = push(distance, approach);
+    // Whatever else acts on the particle, the next step must not end behind the wall.
+    const double next = distance + step * (approach + step * (sign * acceleration[i][axis] + value));
+    if (next < 0) value -= next / (step * step);
     acceleration[i][axis] += sign * value;
     wall_reaction[axis] -= constants_.particle_mass * sign * value;
   };
@@ -63,12 +67,25 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     const NeighbourRange range = neighbours.of_water(i);
     if (range.middle == range.end) continue;  // no solid near
     const Record& record = particles.record[i];
+    for (std::size_t b = 0; bodies != nullptr && b < bodies->count(); ++b) {
+      const Vec3 place(record.x[0], record.x[1], record.x[2]);
+      const double distance = -bodies->depth_in(b, place);
+      if (distance >= distance_) continue;
+      const Vec3 normal = bodies->outward_normal(b, place);
+      const auto& state = bodies->all()[b].state;
+      const Vec3 surface = state.velocity + state.angular_velocity.cross(place - state.position);
+      const Vec3 value = push(distance, normal.dot(Vec3(record.v[0], record.v[1], record.v[2]) - surface)) * normal;
+      for (int c = 0; c < 3; ++c) acceleration[i][c] += value[c];
+      const Vec3 force = -constants_.particle_mass * value;
+      body_loads[b] += {force, (place - state.position).cross(force)};
+    }
+    // Walls last: nothing, not even a body, may press water through them.
     for (const Face& face : faces_) {
       const Pose& pose = poses[face.wall];
       const double distance = face.sign * (record.x[face.axis] - face.place - pose.moved[face.axis]);
       if (distance >= distance_ || distance < -constants_.support) continue;
       const double approach = face.sign * (record.v[face.axis] - pose.velocity[face.axis]);
-      push_from_wall(i, face.axis, face.sign, push(distance, approach));
+      push_from_wall(i, face.axis, face.sign, distance, approach);
     }
     for (const int w : boxes_) {
       const BoxRegion& box = scene_.walls[w].region;
@@ -87,20 +104,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       }
       if (nearest >= distance_) continue;
       const double approach = sign * (record.v[axis] - poses[w].velocity[axis]);
-      push_from_wall(i, axis, sign, push(nearest, approach));
-    }
-    if (bodies == nullptr) continue;
-    for (std::size_t b = 0; b < bodies->count(); ++b) {
-      const Vec3 place(record.x[0], record.x[1], record.x[2]);
-      const double distance = -bodies->depth_in(b, place);
-      if (distance >= distance_) continue;
-      const Vec3 normal = bodies->outward_normal(b, place);
-      const auto& state = bodies->all()[b].state;
-      const Vec3 surface = state.velocity + state.angular_velocity.cross(place - state.position);
-      const Vec3 value = push(distance, normal.dot(Vec3(record.v[0], record.v[1], record.v[2]) - surface)) * normal;
-      for (int c = 0; c < 3; ++c) acceleration[i][c] += value[c];
-      const Vec3 force = -constants_.particle_mass * value;
-      body_loads[b] += {force, (place - state.position).cross(force)};
+      push_from_wall(i, axis, sign, nearest, approach);
     }
   }
 }

@@ -94,34 +94,55 @@ void Halo::migrate(const Decomposition& decomposition, double reach, bool anywhe
   travellers = std::move(kept);
 }
 
-void Halo::build(const Decomposition& decomposition, double reach, Particles& particles) {
+std::vector<Traveller> Halo::exchange_water(const Decomposition& decomposition, double reach,
+                                            const Particles& particles) {
   links_.clear();
-  const std::vector<int> partners = decomposition.neighbours(reach);
-  std::vector<std::vector<Traveller>> outgoing_water(partners.size()), outgoing_solid(partners.size());
-  for (std::size_t k = 0; k < partners.size(); ++k) {
+  partners_ = decomposition.neighbours(reach);
+  std::vector<std::vector<Traveller>> outgoing(partners_.size());
+  for (std::size_t k = 0; k < partners_.size(); ++k) {
     Link link;
-    link.rank = partners[k];
+    link.rank = partners_[k];
     const Box& box = decomposition.boxes()[link.rank];
-    for (std::uint32_t i = 0; i < particles.own(); ++i) {
+    for (std::uint32_t i = 0; i < particles.water; ++i) {
       if (distance_to_box(box, particles.record[i].x) > reach) continue;
-      const bool water = i < particles.water;
-      (water ? link.send_water : link.send_solid).push_back(i);
-      (water ? outgoing_water : outgoing_solid)[k].push_back({particles.record[i], particles.identity[i]});
+      link.send_water.push_back(i);
+      outgoing[k].push_back({particles.record[i], particles.identity[i]});
     }
     links_.push_back(std::move(link));
   }
-  const auto incoming_water = exchange(comm_, partners, outgoing_water);
-  const auto incoming_solid = exchange(comm_, partners, outgoing_solid);
-  std::vector<Traveller> ghost_water, ghost_solid;
-  for (const auto& group : incoming_water) ghost_water.insert(ghost_water.end(), group.begin(), group.end());
-  for (const auto& group : incoming_solid) ghost_solid.insert(ghost_solid.end(), group.begin(), group.end());
-  particles.assign_ghosts(ghost_water, ghost_solid);
+  std::vector<Traveller> ghosts;
+  const auto incoming = exchange(comm_, partners_, outgoing);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    links_[k].receive_water = incoming[k].size();
+    ghosts.insert(ghosts.end(), incoming[k].begin(), incoming[k].end());
+  }
+  return ghosts;
+}
+
+std::vector<Traveller> Halo::exchange_solid(const Decomposition& decomposition, double reach,
+                                            const std::vector<Traveller>& solid, std::size_t first_index) {
+  std::vector<std::vector<Traveller>> outgoing(links_.size());
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Box& box = decomposition.boxes()[links_[k].rank];
+    for (std::size_t j = 0; j < solid.size(); ++j) {
+      if (distance_to_box(box, solid[j].record.x) > reach) continue;
+      links_[k].send_solid.push_back(static_cast<std::uint32_t>(first_index + j));
+      outgoing[k].push_back(solid[j]);
+    }
+  }
+  std::vector<Traveller> ghosts;
+  const auto incoming = exchange(comm_, partners_, outgoing);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    links_[k].receive_solid = incoming[k].size();
+    ghosts.insert(ghosts.end(), incoming[k].begin(), incoming[k].end());
+  }
+  return ghosts;
+}
+
+void Halo::assemble(const Particles& particles) {
   std::size_t next_water = particles.ghosts_begin();
   std::size_t next_solid = particles.ghost_solid_begin();
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    Link& link = links_[k];
-    link.receive_water = incoming_water[k].size();
-    link.receive_solid = incoming_solid[k].size();
+  for (Link& link : links_) {
     link.receive_water_begin = next_water;
     link.receive_solid_begin = next_solid;
     next_water += link.receive_water;

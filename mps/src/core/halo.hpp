@@ -20,8 +20,14 @@ class Halo {
   void migrate(const Decomposition& decomposition, double reach, bool anywhere,
                std::vector<Traveller>& travellers) const;
 
-  /// Ghosts: every own particle within `reach` of a neighbour's box is copied there; the plan stays for the updates.
-  void build(const Decomposition& decomposition, double reach, Particles& particles);
+  /// Ghosts of the water, then of the solid points: every own one within `reach` of a neighbour's box is copied there.
+  /// Returns what the neighbours sent here; the plan stays for the updates, for which assemble() tells that the ghosts
+  /// now stand behind the own particles.
+  [[nodiscard]] std::vector<Traveller> exchange_water(const Decomposition& decomposition, double reach,
+                                                      const Particles& particles);
+  [[nodiscard]] std::vector<Traveller> exchange_solid(const Decomposition& decomposition, double reach,
+                                                      const std::vector<Traveller>& solid, std::size_t first_index);
+  void assemble(const Particles& particles);
 
   /// Positions and velocities of all ghosts.
   void update_motion(Particles& particles);
@@ -44,6 +50,7 @@ class Halo {
   void update(Particles& particles, int first, int width, bool water, bool solid);
 
   MPI_Comm comm_;
+  std::vector<int> partners_;
   std::vector<Link> links_;
   std::int64_t bytes_sent_ = 0;
   std::int64_t messages_sent_ = 0;

@@ -21,8 +21,15 @@ class Neighbours {
   /// `radius` [m]: support plus skin.
   Neighbours(int dimension, double radius) : dimension_(dimension), radius_(radius) {}
 
-  /// Lists of all own water particles (water and solid neighbours) and of all own solid points (water only).
-  /// `walls`: wall owners that are thin, with their present place (see Walls).
+  /// First part of a new search: bins the water, own and ghosts, and marks where solids can matter.
+  void survey(const Particles& particles, const std::vector<Traveller>& ghost_water);
+  /// Whether water may lie within the radius of a place, as surveyed.
+  [[nodiscard]] bool near_water(const double* x) const {
+    const std::int64_t cell = cell_of(x);
+    return cell >= 0 && near_water_[cell] != 0;
+  }
+  /// Second part, with all particles in place: lists of all own water particles (water and solid neighbours) and of all
+  /// own solid points (water only). `walls`: wall owners that are thin, with their present place (see Walls).
   void build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin);
 
   [[nodiscard]] NeighbourRange of_water(std::size_t i) const {
@@ -43,29 +50,34 @@ class Neighbours {
   [[nodiscard]] static std::vector<std::uint32_t> cell_order(const std::vector<Traveller>& travellers, double cell);
 
  private:
-  /// Points binned into cells, contiguous along x.
+  /// Points binned into cells, contiguous along x. Places relative to the grid's origin, in single precision: the
+  /// radius of the search is widened by what that can lose.
   struct Bins {
-    std::vector<double> x, y, z;
+    std::vector<float> x, y, z;
     std::vector<std::uint32_t> index;
     std::vector<std::uint32_t> first;  ///< of each cell
   };
-  void make_grid(const Particles& particles);
+  template <class Place>
+  void make_grid(std::size_t count, const Place& place);
   /// Cell of a place, or -1 outside the grid.
   [[nodiscard]] std::int64_t cell_of(const double* x) const;
-  /// Bins water, or the solid points whose cell is marked in `only`.
-  void fill(Bins& bins, const Particles& particles, bool water, const std::vector<char>* only = nullptr);
+  /// Bins `count` points; `place(k)` is a point's place, `index(k)` its index. Points outside the grid are left out.
+  template <class Place, class Index>
+  void fill(Bins& bins, std::size_t count, const Place& place, const Index& index);
   /// Marks all cells within the radius of an occupied one.
   void mark_surroundings(const Bins& bins, std::vector<char>& marks) const;
-  /// Appends everything binned within the radius of a place.
-  void search(const Bins& bins, const double* x, std::vector<std::uint32_t>& list) const;
+  /// Appends everything binned within the radius of a place, but for `self`.
+  void search(const Bins& bins, const double* x, std::uint32_t self, std::vector<std::uint32_t>& list) const;
 
   int dimension_;
   double radius_;
   double cell_[3] = {1, 1, 1};
   double origin_[3] = {0, 0, 0};
   int cells_[3] = {1, 1, 1};
+  float reach_square_ = 0;  ///< square of the radius, widened
   Bins water_, solid_;
-  std::vector<char> near_water_, near_solid_;  ///< per cell
+  std::vector<std::uint32_t> cells_of_points_, next_;  ///< scratch
+  std::vector<char> near_water_, near_solid_;          ///< per cell
   std::vector<std::uint32_t> index_, wet_index_;
   std::vector<std::size_t> begin_, middle_, wet_begin_;
   std::vector<std::uint32_t> wet_points_;

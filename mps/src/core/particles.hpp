@@ -70,12 +70,14 @@ class Particles {
   [[nodiscard]] std::size_t ghost_solid_begin() const { return own() + ghost_water; }
   [[nodiscard]] bool is_water(std::size_t i) const { return i < water || (i >= own() && i < ghost_solid_begin()); }
 
-  /// Replaces everything by these own particles; no ghosts.
-  void assign(const std::vector<Traveller>& water_particles, const std::vector<Traveller>& solid_points);
-  /// Appends ghosts behind the own particles (replaces earlier ghosts).
-  void assign_ghosts(const std::vector<Traveller>& water_particles, const std::vector<Traveller>& solid_points);
+  /// Replaces everything by this own water; no solids, no ghosts.
+  void assign(const std::vector<Traveller>& own_water);
+  /// Appends the solid points and the ghosts to own water.
+  void append(const std::vector<Traveller>& own_solid, const std::vector<Traveller>& water_ghosts,
+              const std::vector<Traveller>& solid_ghosts);
 
  private:
+  void push(const std::vector<Traveller>& travellers);
   void put_sentinel();
 };
 
@@ -86,34 +88,32 @@ inline void Particles::put_sentinel() {
   identity.emplace_back();
 }
 
-inline void Particles::assign(const std::vector<Traveller>& water_particles,
-                              const std::vector<Traveller>& solid_points) {
+inline void Particles::push(const std::vector<Traveller>& travellers) {
+  for (const Traveller& traveller : travellers) {
+    record.push_back(traveller.record);
+    identity.push_back(traveller.identity);
+  }
+}
+
+inline void Particles::assign(const std::vector<Traveller>& own_water) {
   record.clear();
   identity.clear();
-  for (const auto* group : {&water_particles, &solid_points}) {
-    for (const Traveller& traveller : *group) {
-      record.push_back(traveller.record);
-      identity.push_back(traveller.identity);
-    }
-  }
-  water = water_particles.size();
-  solid = solid_points.size();
-  ghost_water = ghost_solid = 0;
+  push(own_water);
+  water = own_water.size();
+  solid = ghost_water = ghost_solid = 0;
   put_sentinel();
 }
 
-inline void Particles::assign_ghosts(const std::vector<Traveller>& water_particles,
-                                     const std::vector<Traveller>& solid_points) {
-  record.resize(own());
-  identity.resize(own());
-  for (const auto* group : {&water_particles, &solid_points}) {
-    for (const Traveller& traveller : *group) {
-      record.push_back(traveller.record);
-      identity.push_back(traveller.identity);
-    }
-  }
-  ghost_water = water_particles.size();
-  ghost_solid = solid_points.size();
+inline void Particles::append(const std::vector<Traveller>& own_solid, const std::vector<Traveller>& water_ghosts,
+                              const std::vector<Traveller>& solid_ghosts) {
+  record.resize(water);
+  identity.resize(water);
+  push(own_solid);
+  push(water_ghosts);
+  push(solid_ghosts);
+  solid = own_solid.size();
+  ghost_water = water_ghosts.size();
+  ghost_solid = solid_ghosts.size();
   put_sentinel();
 }
 

@@ -45,7 +45,7 @@ Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::
         folder_ / "energies.csv",
         std::vector<std::string>{"t [s]", "kinetic [J]", "potential [J]", "elastic [J]", "total [J]", "mass [kg]",
                                  "px [N s]", "py [N s]", "pz [N s]", "volume ratio [-]", "outside tank [-]",
-                                 "inside bodies [-]", "deepest in body [m]"});
+                                 "inside bodies [-]", "deepest in body [m]", "farthest outside tank [m]"});
     if (simulation.bodies() != nullptr) {
       bodies_ = std::make_unique<CsvWriter>(
           folder_ / "bodies.csv",
@@ -153,12 +153,14 @@ void Recorder::write_energies() {
   most_outside_ = std::max(most_outside_, now_.outside_tank);
   most_inside_ = std::max(most_inside_, now_.inside_bodies);
   deepest_ = std::max(deepest_, now_.deepest_in_body);
+  farthest_outside_ = std::max(farthest_outside_, now_.farthest_outside_tank);
   largest_energy_gain_ = std::max(largest_energy_gain_, now_.energy.total() - start_.energy.total());
   if (rank_ != 0) return;
-  energies_->row(std::vector<double>{
-      simulation_.time(), now_.energy.kinetic, now_.energy.potential, now_.energy.elastic, now_.energy.total(),
-      now_.mass, now_.momentum[0], now_.momentum[1], now_.momentum[2], now_.volume_ratio,
-      static_cast<double>(now_.outside_tank), static_cast<double>(now_.inside_bodies), now_.deepest_in_body});
+  energies_->row(std::vector<double>{simulation_.time(), now_.energy.kinetic, now_.energy.potential,
+                                     now_.energy.elastic, now_.energy.total(), now_.mass, now_.momentum[0],
+                                     now_.momentum[1], now_.momentum[2], now_.volume_ratio,
+                                     static_cast<double>(now_.outside_tank), static_cast<double>(now_.inside_bodies),
+                                     now_.deepest_in_body, now_.farthest_outside_tank});
   energies_->flush();
 }
 
@@ -296,6 +298,7 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   Json& extreme = json.object("extremes");
   extreme.set("speed", extremes[0]).set("compression", extremes[1]).set("pressure", extremes[2]);
   extreme.set("water_outside_tank", most_outside_).set("water_inside_bodies", most_inside_);
+  extreme.set("farthest_outside_tank", farthest_outside_);
   extreme.set("deepest_in_body", std::max(deepest_, std::max(0.0, extremes[3])));
   if (scene_.output.audit) {
     Json& audit = json.object("audit");

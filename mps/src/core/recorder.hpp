@@ -54,6 +54,7 @@ class Recorder {
   double largest_energy_gain_ = 0;
   std::int64_t most_outside_ = 0, most_inside_ = 0;
   double deepest_ = 0;
+  double farthest_outside_ = 0;
   double began_, last_shown_ = -1e300;
 };
 

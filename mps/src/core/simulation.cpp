@@ -118,32 +118,69 @@ void Simulation::synchronise() {
 
 void Simulation::find_neighbours() {
   const double reach = constants_.support + constants_.skin;
+  const double now = time_ + (started_ ? constants_.step : 0.0);  // of the positions
+  std::vector<Traveller> solid;
   {
     const Timer timer(phases_, Phase::search);
     auto water = own_water();
     halo_.migrate(decomposition_, reach, anywhere_, water);
-    auto solid = own_walls();
-    if (anywhere_ || walls_.any_moves()) halo_.migrate(decomposition_, reach, anywhere_, solid);
+    place_wall_points(now);
+    if (anywhere_ || walls_.any_moves()) halo_.migrate(decomposition_, reach, anywhere_, wall_points_);
     anywhere_ = false;
-    if (bodies_) bodies_->collect_points(decomposition_.own(), solid);
     const auto order = Neighbours::cell_order(water, 0.5 * reach);
     std::vector<Traveller> sorted(water.size());
     for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = water[order[i]];
-    particles_.assign(sorted, solid);
+    particles_.assign(sorted);
+  }
+  std::vector<Traveller> ghost_water, ghost_solid;
+  {
+    const Timer timer(phases_, Phase::halo);
+    ghost_water = halo_.exchange_water(decomposition_, reach, particles_);
+  }
+  {
+    const Timer timer(phases_, Phase::search);
+    neighbours_.survey(particles_, ghost_water);
+    solid = wall_points_near_water(now);
+    if (bodies_) bodies_->collect_points(decomposition_.own(), solid);
   }
   {
     const Timer timer(phases_, Phase::halo);
-    halo_.build(decomposition_, reach, particles_);
+    ghost_solid = halo_.exchange_solid(decomposition_, reach, solid, particles_.water);
+    particles_.append(solid, ghost_water, ghost_solid);
+    halo_.assemble(particles_);
   }
   const Timer timer(phases_, Phase::search);
   if (bodies_) bodies_->resolve_owners(particles_);
-  neighbours_.build(particles_, walls_, walls_.thin_walls(time_ + (started_ ? constants_.step : 0.0)));
+  neighbours_.build(particles_, walls_, walls_.thin_walls(now));
   build_position_.resize(particles_.own());
   for (std::size_t i = 0; i < particles_.own(); ++i) {
     for (int c = 0; c < 3; ++c) build_position_[i][c] = particles_.record[i].x[c];
   }
   lists_valid_ = true;
   ++counters_.builds;
+}
+
+/// Moves the stored wall points to where they are at `time`.
+void Simulation::place_wall_points(double time) {
+  if (!walls_.any_moves()) return;
+  std::vector<Vec3d> moved(walls_.count());
+  for (int w = 0; w < walls_.count(); ++w) moved[w] = walls_.displacement_at(w, time);
+  for (Traveller& point : wall_points_) {
+    for (int c = 0; c < 3; ++c) point.record.x[c] = point.record.v[c] + moved[point.identity.owner][c];
+  }
+}
+
+/// Copies of the stored wall points that water can feel, with the velocity of their wall.
+std::vector<Traveller> Simulation::wall_points_near_water(double time) const {
+  std::vector<Vec3d> velocity(walls_.count());
+  for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time - constants_.step, constants_.step);
+  std::vector<Traveller> result;
+  for (const Traveller& point : wall_points_) {
+    if (!neighbours_.near_water(point.record.x)) continue;
+    result.push_back(point);
+    for (int c = 0; c < 3; ++c) result.back().record.v[c] = velocity[point.identity.owner][c];
+  }
+  return result;
 }
 
 void Simulation::evaluate_forces(double time) {
@@ -239,7 +276,9 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   MPI_Comm_size(comm, &size);
   InitialParticles initial = fill(scene, constants_, walls_, rank_, size);
   warnings_ = std::move(initial.warnings);
-  particles_.assign(initial.water, initial.walls);
+  particles_.assign(initial.water);
+  wall_points_ = std::move(initial.walls);
+  for (Traveller& point : wall_points_) std::copy_n(point.record.x, 3, point.record.v);
   if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
   decompose();
 }
@@ -301,16 +340,14 @@ void Simulation::decompose() {
   const Timer timer(phases_, Phase::search);
   std::vector<double> positions;
   std::vector<float> weights;
-  positions.reserve(3 * particles_.own());
-  for (std::size_t i = 0; i < particles_.own(); ++i) {
-    if (particles_.identity[i].owner >= walls_.count()) continue;
-    const double* x = particles_.record[i].x;
-    positions.insert(positions.end(), x, x + 3);
-    weights.push_back(i < particles_.water ? 1.0F : 0.02F);
-  }
+  const auto add = [&](const Record& record, float weight) {
+    positions.insert(positions.end(), record.x, record.x + 3);
+    weights.push_back(weight);
+  };
+  for (std::size_t i = 0; i < particles_.water; ++i) add(particles_.record[i], 1.0F);
+  for (const Traveller& point : wall_points_) add(point.record, 0.02F);
   for (const std::uint32_t b : neighbours_.wet_points()) {
-    const std::size_t k = b - particles_.water;  // walls stand in front of the body points
-    if (particles_.water + k < weights.size()) weights[particles_.water + k] = 0.3F;
+    if (particles_.identity[b].owner < walls_.count()) add(particles_.record[b], 0.28F);
   }
   decomposition_.partition(scene_.dimension, positions, weights);
   anywhere_ = true;
@@ -327,20 +364,12 @@ void Simulation::remove_water_in_bodies() {
   std::erase_if(water, [&](const Traveller& traveller) { return bodies_->displaces(traveller.record.x); });
   std::int64_t removed = static_cast<std::int64_t>(before - water.size());
   MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);
-  particles_.assign(water, own_walls());
+  particles_.assign(water);
 }
 
 std::vector<Traveller> Simulation::own_water() const {
   std::vector<Traveller> result(particles_.water);
   for (std::size_t i = 0; i < particles_.water; ++i) result[i] = {particles_.record[i], particles_.identity[i]};
-  return result;
-}
-
-std::vector<Traveller> Simulation::own_walls() const {
-  std::vector<Traveller> result;
-  for (std::size_t j = particles_.water; j < particles_.own(); ++j) {
-    if (particles_.identity[j].owner < walls_.count()) result.push_back({particles_.record[j], particles_.identity[j]});
-  }
   return result;
 }
 
@@ -378,6 +407,7 @@ void Simulation::check_window() {
 
 std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
+         wall_points_.capacity() * sizeof(Traveller) +
          (acceleration_.capacity() + reaction_.capacity() + build_position_.capacity()) * sizeof(Triple) +
          density_rate_.capacity() * sizeof(double) + (bodies_ ? bodies_->bytes() : 0);
 }

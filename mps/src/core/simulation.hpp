@@ -85,7 +85,8 @@ class Simulation {
   void check_window();
   void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
-  [[nodiscard]] std::vector<Traveller> own_walls() const;
+  void place_wall_points(double time);
+  [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time) const;
 
   const Scene& scene_;
   MPI_Comm comm_;
@@ -98,6 +99,9 @@ class Simulation {
   Halo halo_;
   Neighbours neighbours_;
   Particles particles_;
+  /// All wall points in this rank's part of space; those near water have a copy among the particles. Position: at the
+  /// last build; in place of the velocity: the position at time zero.
+  std::vector<Traveller> wall_points_;
   std::optional<Bodies> bodies_;
   int steps_per_window_ = 1;
 

@@ -61,6 +61,11 @@ Vec3d Walls::velocity(int wall, double time, double step) const {
   return result;
 }
 
+Vec3d Walls::displacement_at(int wall, double time) const {
+  const auto& motion = walls_[wall].motion;
+  return motion && motion->moves() ? displacement(*motion, time) : Vec3d{};
+}
+
 std::vector<ThinWall> Walls::thin_walls(double time) const {
   std::vector<ThinWall> result;
   for (int w = 0; w < count(); ++w) {

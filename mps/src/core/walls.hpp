@@ -33,6 +33,8 @@ class Walls {
   [[nodiscard]] int count() const { return static_cast<int>(walls_.size()); }
   /// Velocity [m/s] of a wall, constant over the step from `time` to `time + step`.
   [[nodiscard]] Vec3d velocity(int wall, double time, double step) const;
+  /// Displacement [m] of a wall since time zero.
+  [[nodiscard]] Vec3d displacement_at(int wall, double time) const;
   [[nodiscard]] bool any_moves() const { return any_moves_; }
   /// Thin walls where they stand at `time`.
   [[nodiscard]] std::vector<ThinWall> thin_walls(double time) const;

@@ -22,7 +22,12 @@ Traveller at(double x, double y, double z, int owner, int side = 0) {
 }
 
 /// Own and ghost particles of both kinds at random places.
-Particles random_particles(int dimension, int count, unsigned seed) {
+struct Sample {
+  Particles particles;
+  std::vector<Traveller> ghost_water;
+};
+
+Sample random_particles(int dimension, int count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(0, 1);
   std::vector<Traveller> groups[4];
@@ -31,10 +36,11 @@ Particles random_particles(int dimension, int count, unsigned seed) {
     const double z = dimension == 3 ? place(random) : 0.0;
     groups[group].push_back(at(place(random), place(random), z, group % 2 == 0 ? -1 : 0));
   }
-  Particles particles;
-  particles.assign(groups[0], groups[1]);
-  particles.assign_ghosts(groups[2], groups[3]);
-  return particles;
+  Sample sample;
+  sample.particles.assign(groups[0]);
+  sample.particles.append(groups[1], groups[2], groups[3]);
+  sample.ghost_water = groups[2];
+  return sample;
 }
 
 std::vector<std::uint32_t> brute_force(const Particles& particles, std::size_t i, bool water, double radius) {
@@ -62,8 +68,9 @@ TEST_P(RandomParticles, ListsEqualBruteForce) {
   Scene scene = test::still_tank(dimension, 4);
   const Walls walls(scene, dimension, 3);
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const Particles particles = random_particles(dimension, 400, seed);
+    const auto [particles, ghost_water] = random_particles(dimension, 400, seed);
     Neighbours neighbours(dimension, radius);
+    neighbours.survey(particles, ghost_water);
     neighbours.build(particles, walls, {});
     for (std::size_t i = 0; i < particles.water; ++i) {
       const NeighbourRange range = neighbours.of_water(i);
@@ -89,9 +96,10 @@ INSTANTIATE_TEST_SUITE_P(DimensionsAndRadii, RandomParticles,
 TEST(Neighbours, AStrayParticleFarAwayDoesNotExhaustMemory) {
   std::vector<Traveller> water{at(0, 0, 0, -1), at(0.01, 0, 0, -1), at(1e6, -1e6, 1e6, -1)};
   Particles particles;
-  particles.assign(water, {});
+  particles.assign(water);
   Neighbours neighbours(3, 0.02);
   const Scene scene = test::still_tank(3, 4);
+  neighbours.survey(particles, {});
   neighbours.build(particles, Walls(scene, 3, 3), {});
   EXPECT_EQ(listed(neighbours.of_water(0).begin, neighbours.of_water(0).middle, particles.sentinel()),
             std::vector<std::uint32_t>{1});
@@ -111,8 +119,10 @@ TEST(Neighbours, AThinWallHidesTheOtherSide) {
   const std::vector<Traveller> water{at(0.095, 0.1, 0, -1), at(0.115, 0.1, 0, -1), at(0.095, -0.03, 0, -1),
                                      at(0.115, -0.03, 0, -1)};
   Particles particles;
-  particles.assign(water, solid);
+  particles.assign(water);
+  particles.append(solid, {}, {});
   Neighbours neighbours(2, 0.031);
+  neighbours.survey(particles, {});
   neighbours.build(particles, walls, walls.thin_walls(0));
   const auto of = [&](std::size_t i) {
     return listed(neighbours.of_water(i).begin, neighbours.of_water(i).middle, particles.sentinel());
