@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
+
+#include "embacle/coupling/types.hpp"
 
 namespace embacle::mps {
 
 namespace {
-
-/// Cells of half the radius: 5 x 5 rows of cells a particle; the rows are contiguous in memory.
-constexpr int cells_per_radius = 2;
 
 /// Points compared at a time by the search.
 constexpr std::uint32_t search_lanes = 8;
@@ -31,6 +31,12 @@ struct Compression {
 };
 constexpr Compression compression;
 #endif
+
+/// Copies n values in full packs: a short loop beats memmove, and both sides have room.
+template <class Value>
+void copy_packs(const Value* from, std::uint32_t n, Value* to) {
+  for (std::uint32_t m = 0; m < n; m += search_lanes) std::memcpy(to + m, from + m, search_lanes * sizeof(Value));
+}
 
 /// Of up to eight points, writes the indices of those that are closer to `place` than the radius, but for `self`, and
 /// returns the new end. Reads and writes full packs.
@@ -60,8 +66,11 @@ inline std::uint32_t* keep_close(const float* x, const float* y, const float* z,
 #endif
 }
 
-void pad(std::vector<std::uint32_t>& list, std::uint32_t sentinel) {
-  while (list.size() % lanes != 0) list.push_back(sentinel);
+std::uint16_t count_of(std::size_t n) {
+  if (n > std::numeric_limits<std::uint16_t>::max()) {
+    throw coupling::InstabilityError("a water particle has more than 65 535 neighbours: the water has collapsed");
+  }
+  return static_cast<std::uint16_t>(n);
 }
 
 }  // namespace
@@ -82,11 +91,14 @@ void Neighbours::make_grid(std::size_t count, const Place& place) {
   for (int c = 0; c < 3; ++c) {
     if (!(lower[c] <= upper[c])) lower[c] = upper[c] = 0;
     const double margin = radius_ * 1.001;
-    origin_[c] = lower[c] - margin;
-    extent = std::max(extent, upper[c] - lower[c] + 2 * margin);
-    cell_[c] = radius_ / cells_per_radius;
-    cells_[c] = c < dimension_ ? static_cast<int>((upper[c] - lower[c] + 2 * margin) / cell_[c]) + 1 : 1;
-    if (c >= dimension_) cell_[c] = 1e30;
+    cell_[c] = radius_ / cells_per_radius[c];
+    origin_[c] = cell_[c] * std::floor((lower[c] - margin) / cell_[c]);  // as in cell_order()
+    extent = std::max(extent, upper[c] - origin_[c] + margin);
+    cells_[c] = c < dimension_ ? static_cast<int>((upper[c] + margin - origin_[c]) / cell_[c]) + 1 : 1;
+    if (c >= dimension_) {
+      cell_[c] = 1e30;
+      origin_[c] = lower[c];
+    }
   }
   // A stray particle far away must not blow up the grid.
   const double limit = 64.0 * static_cast<double>(count + 64);
@@ -147,9 +159,11 @@ void Neighbours::mark_surroundings(const Bins& bins, std::vector<char>& marks) c
       const std::size_t row = (static_cast<std::size_t>(k) * cells_[1] + j) * cells_[0];
       for (int i = 0; i < cells_[0]; ++i) {
         if (bins.first[row + i] == bins.first[row + i + 1]) continue;
-        const int low = std::max(0, i - cells_per_radius), high = std::min(cells_[0] - 1, i + cells_per_radius);
-        for (int kk = std::max(0, k - cells_per_radius); kk <= std::min(cells_[2] - 1, k + cells_per_radius); ++kk) {
-          for (int jj = std::max(0, j - cells_per_radius); jj <= std::min(cells_[1] - 1, j + cells_per_radius); ++jj) {
+        const int low = std::max(0, i - cells_per_radius[0]), high = std::min(cells_[0] - 1, i + cells_per_radius[0]);
+        for (int kk = std::max(0, k - cells_per_radius[2]); kk <= std::min(cells_[2] - 1, k + cells_per_radius[2]);
+             ++kk) {
+          for (int jj = std::max(0, j - cells_per_radius[1]); jj <= std::min(cells_[1] - 1, j + cells_per_radius[1]);
+               ++jj) {
             const std::size_t first = (static_cast<std::size_t>(kk) * cells_[1] + jj) * cells_[0];
             std::fill(marks.begin() + first + low, marks.begin() + first + high + 1, char{1});
           }
@@ -159,31 +173,55 @@ void Neighbours::mark_surroundings(const Bins& bins, std::vector<char>& marks) c
   }
 }
 
-void Neighbours::search(const Bins& bins, const double* place, std::uint32_t self,
-                        std::vector<std::uint32_t>& list) const {
+void Neighbours::gather(const Bins& bins, const int* cell, Surroundings& around) const {
   int low[3], high[3];
-  float x[3];
   for (int c = 0; c < 3; ++c) {
-    const double at = place[c] - origin_[c];
-    x[c] = static_cast<float>(at);
-    low[c] = std::max(0, static_cast<int>(std::floor((at - radius_) / cell_[c])));
-    high[c] = std::min(cells_[c] - 1, static_cast<int>(std::floor((at + radius_) / cell_[c])));
+    low[c] = std::max(0, cell[c] - cells_per_radius[c]);
+    high[c] = std::min(cells_[c] - 1, cell[c] + cells_per_radius[c]);
   }
-  if (low[0] > high[0]) return;
+  around.count = 0;
   for (int k = low[2]; k <= high[2]; ++k) {
     for (int j = low[1]; j <= high[1]; ++j) {
       const std::size_t row = (static_cast<std::size_t>(k) * cells_[1] + j) * cells_[0];
       const std::uint32_t first = bins.first[row + low[0]];
-      const std::uint32_t last = bins.first[row + high[0] + 1];
-      if (first == last) continue;
-      const std::size_t old = list.size();
-      list.resize(old + (last - first) + search_lanes);
-      std::uint32_t* out = list.data() + old;
-      for (std::uint32_t m = first; m < last; m += search_lanes) {
-        out = keep_close(&bins.x[m], &bins.y[m], &bins.z[m], &bins.index[m], std::min(search_lanes, last - m), x,
-                         reach_square_, self, out);
+      const std::uint32_t n = bins.first[row + high[0] + 1] - first;
+      if (n == 0) continue;
+      if (around.count + n + 2 * search_lanes > around.x.size()) {
+        const std::size_t size = 2 * (around.count + n + search_lanes);
+        for (auto* column : {&around.x, &around.y, &around.z}) column->resize(size);
+        around.index.resize(size);
       }
-      list.resize(static_cast<std::size_t>(out - list.data()));
+      copy_packs(&bins.x[first], n, &around.x[around.count]);
+      copy_packs(&bins.y[first], n, &around.y[around.count]);
+      copy_packs(&bins.z[first], n, &around.z[around.count]);
+      copy_packs(&bins.index[first], n, &around.index[around.count]);
+      around.count += n;
+    }
+  }
+}
+
+std::size_t Neighbours::select(const Surroundings& around, const double* place, std::uint32_t self,
+                               std::vector<std::uint32_t>& list) const {
+  float x[3];
+  for (int c = 0; c < 3; ++c) x[c] = static_cast<float>(place[c] - origin_[c]);
+  if (list.size() < around.count + search_lanes) list.resize(around.count + search_lanes);
+  std::uint32_t* out = list.data();
+  for (std::uint32_t m = 0; m < around.count; m += search_lanes) {
+    out = keep_close(&around.x[m], &around.y[m], &around.z[m], &around.index[m],
+                     std::min(search_lanes, around.count - m), x, reach_square_, self, out);
+  }
+  return static_cast<std::size_t>(out - list.data());
+}
+
+template <class Visit>
+void Neighbours::for_occupied_cells(const Bins& bins, const Visit& visit) const {
+  std::size_t index = 0;
+  for (int k = 0; k < cells_[2]; ++k) {
+    for (int j = 0; j < cells_[1]; ++j) {
+      for (int i = 0; i < cells_[0]; ++i, ++index) {
+        const int cell[3] = {i, j, k};
+        if (bins.first[index] < bins.first[index + 1]) visit(cell, bins.first[index], bins.first[index + 1]);
+      }
     }
   }
 }
@@ -227,82 +265,105 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
     if (identity.owner < 0 || identity.owner >= walls.count() || walls.thin_index(identity.owner) < 0) return nullptr;
     return &thin[walls.thin_index(identity.owner)];
   };
-  index_.clear();
-  begin_.assign(1, 0);
-  middle_.clear();
+  Surroundings water_around, solid_around;
   std::vector<std::uint32_t> list;
-  for (std::size_t i = 0; i < particles.water; ++i) {
-    const double* x = particles.record[i].x;
-    const bool sided = !thin.empty() && near_thin(x);
-    list.clear();
-    search(water_, x, static_cast<std::uint32_t>(i), list);
-    if (sided) {
-      std::erase_if(list, [&](std::uint32_t j) {
-        return std::any_of(thin.begin(), thin.end(), [&](const ThinWall& wall) {
-          return Walls::separates(wall, x, particles.record[j].x, dimension_);
+  // Drops what `hidden` tells of the first `n` entries, then pads; appends the rest.
+  const auto append = [&](std::vector<std::uint32_t>& lists, std::size_t n, const auto& hidden) {
+    n = static_cast<std::size_t>(std::remove_if(list.begin(), list.begin() + n, hidden) - list.begin());
+    lists.insert(lists.end(), list.begin(), list.begin() + n);
+    while (lists.size() % lanes != 0) lists.push_back(sentinel);
+    return n;
+  };
+  const auto nothing = [](std::uint32_t) { return false; };
+
+  index_.clear();
+  begin_.resize(particles.water);
+  water_count_.resize(particles.water);
+  count_.resize(particles.water);
+  for_occupied_cells(water_, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
+    if (std::none_of(&water_.index[first], &water_.index[last], [&](auto i) { return i < particles.water; })) return;
+    gather(water_, cell, water_around);
+    const bool solids = near_solid_[cell_index(cell)] != 0;
+    if (solids) gather(solid_, cell, solid_around);
+    for (std::uint32_t m = first; m < last; ++m) {
+      const std::uint32_t i = water_.index[m];
+      if (i >= particles.water) continue;
+      const double* x = particles.record[i].x;
+      const bool sided = !thin.empty() && near_thin(x);
+      begin_[i] = index_.size();
+      std::size_t found = select(water_around, x, i, list);
+      if (sided) {
+        append(index_, found, [&](std::uint32_t j) {
+          return std::any_of(thin.begin(), thin.end(), [&](const ThinWall& wall) {
+            return Walls::separates(wall, x, particles.record[j].x, dimension_);
+          });
         });
-      });
+      } else {
+        append(index_, found, nothing);
+      }
+      water_count_[i] = count_of(index_.size() - begin_[i]);
+      if (solids) {
+        found = select(solid_around, x, nobody, list);
+        if (sided) {
+          append(index_, found, [&](std::uint32_t j) {
+            const ThinWall* wall = thin_of(j);
+            return wall != nullptr && !Walls::visible(*wall, particles.identity[j].point, x);
+          });
+        } else {
+          append(index_, found, nothing);
+        }
+      }
+      count_[i] = count_of(index_.size() - begin_[i]);
     }
-    pad(list, sentinel);
-    index_.insert(index_.end(), list.begin(), list.end());
-    middle_.push_back(index_.size());
-    list.clear();
-    if (near_solid_[cell_of(x)] != 0) search(solid_, x, nobody, list);
-    if (sided && !list.empty()) {
-      std::erase_if(list, [&](std::uint32_t j) {
-        const ThinWall* wall = thin_of(j);
-        return wall != nullptr && !Walls::visible(*wall, particles.identity[j].point, x);
-      });
-    }
-    pad(list, sentinel);
-    index_.insert(index_.end(), list.begin(), list.end());
-    begin_.push_back(index_.size());
-  }
+  });
 
   wet_points_.clear();
   wet_index_.clear();
   wet_begin_.assign(1, 0);
-  for (std::size_t b = particles.water; b < particles.own(); ++b) {
-    const double* x = particles.record[b].x;
-    if (!near_water(x)) continue;
-    list.clear();
-    search(water_, x, nobody, list);
-    if (const ThinWall* wall = thin_of(static_cast<std::uint32_t>(b))) {
-      std::erase_if(list, [&](std::uint32_t i) {
-        return !Walls::visible(*wall, particles.identity[b].point, particles.record[i].x);
+  for_occupied_cells(solid_, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
+    if (near_water_[cell_index(cell)] == 0) return;
+    gather(water_, cell, water_around);
+    for (std::uint32_t m = first; m < last; ++m) {
+      const std::uint32_t b = solid_.index[m];
+      if (b >= particles.own()) continue;
+      const std::size_t found = select(water_around, particles.record[b].x, nobody, list);
+      const ThinWall* wall = thin_of(b);
+      const std::size_t kept = append(wet_index_, found, [&](std::uint32_t i) {
+        return wall != nullptr && !Walls::visible(*wall, particles.identity[b].point, particles.record[i].x);
       });
+      if (kept == 0) continue;
+      wet_points_.push_back(b);
+      wet_begin_.push_back(wet_index_.size());
     }
-    if (list.empty()) continue;
-    pad(list, sentinel);
-    wet_points_.push_back(static_cast<std::uint32_t>(b));
-    wet_index_.insert(wet_index_.end(), list.begin(), list.end());
-    wet_begin_.push_back(wet_index_.size());
-  }
+  });
 }
 
 std::size_t Neighbours::bytes() const {
   return sizeof(std::uint32_t) * (index_.capacity() + wet_index_.capacity() + wet_points_.capacity()) +
-         sizeof(std::size_t) * (begin_.capacity() + middle_.capacity() + wet_begin_.capacity());
+         sizeof(std::size_t) * (begin_.capacity() + wet_begin_.capacity()) +
+         sizeof(std::uint16_t) * (water_count_.capacity() + count_.capacity());
 }
 
-std::vector<std::uint32_t> Neighbours::cell_order(const std::vector<Traveller>& travellers, double cell) {
+std::vector<std::uint32_t> Neighbours::cell_order(const std::vector<Traveller>& travellers) const {
   std::vector<std::uint32_t> order(travellers.size());
   std::iota(order.begin(), order.end(), 0U);
   if (travellers.empty()) return order;
+  const auto at = [&](std::size_t i, int c) {
+    return std::floor(travellers[i].record.x[c] * cells_per_radius[c] / radius_);
+  };
   double lower[3] = {1e300, 1e300, 1e300}, upper[3] = {-1e300, -1e300, -1e300};
-  for (const Traveller& traveller : travellers) {
+  for (std::size_t i = 0; i < travellers.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
-      lower[c] = std::min(lower[c], traveller.record.x[c]);
-      upper[c] = std::max(upper[c], traveller.record.x[c]);
+      lower[c] = std::min(lower[c], at(i, c));
+      upper[c] = std::max(upper[c], at(i, c));
     }
   }
-  const auto cells = [&](int c) { return static_cast<std::size_t>((upper[c] - lower[c]) / cell) + 1; };
+  const auto cells = [&](int c) { return static_cast<std::size_t>(upper[c] - lower[c]) + 1; };
   const std::size_t nx = cells(0), ny = cells(1), nz = cells(2);
   std::vector<std::size_t> key(travellers.size());
   for (std::size_t i = 0; i < travellers.size(); ++i) {
-    const double* x = travellers[i].record.x;
-    const auto at = [&](int c) { return static_cast<std::size_t>((x[c] - lower[c]) / cell); };
-    key[i] = (at(2) * ny + at(1)) * nx + at(0);
+    const auto place = [&](int c) { return static_cast<std::size_t>(at(i, c) - lower[c]); };
+    key[i] = (place(2) * ny + place(1)) * nx + place(0);
   }
   const auto before = [&](std::uint32_t a, std::uint32_t b) {
     return key[a] != key[b] ? key[a] < key[b] : travellers[a].identity.id < travellers[b].identity.id;

@@ -33,8 +33,8 @@ class Neighbours {
   void build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin);
 
   [[nodiscard]] NeighbourRange of_water(std::size_t i) const {
-    const std::uint32_t* base = index_.data();
-    return {base + begin_[i], base + middle_[i], base + begin_[i + 1]};
+    const std::uint32_t* first = index_.data() + begin_[i];
+    return {first, first + water_count_[i], first + count_[i]};
   }
   /// Own solid points that have water near, as indices into the records, and their water.
   [[nodiscard]] const std::vector<std::uint32_t>& wet_points() const { return wet_points_; }
@@ -47,7 +47,7 @@ class Neighbours {
   [[nodiscard]] std::size_t bytes() const;
 
   /// Order of own water by cell (for sorting before the next build).
-  [[nodiscard]] static std::vector<std::uint32_t> cell_order(const std::vector<Traveller>& travellers, double cell);
+  [[nodiscard]] std::vector<std::uint32_t> cell_order(const std::vector<Traveller>& travellers) const;
 
  private:
   /// Points binned into cells, contiguous along x. Places relative to the grid's origin, in single precision: the
@@ -61,13 +61,31 @@ class Neighbours {
   void make_grid(std::size_t count, const Place& place);
   /// Cell of a place, or -1 outside the grid.
   [[nodiscard]] std::int64_t cell_of(const double* x) const;
+  [[nodiscard]] std::size_t cell_index(const int* cell) const {
+    return (static_cast<std::size_t>(cell[2]) * cells_[1] + cell[1]) * cells_[0] + cell[0];
+  }
   /// Bins `count` points; `place(k)` is a point's place, `index(k)` its index. Points outside the grid are left out.
   template <class Place, class Index>
   void fill(Bins& bins, std::size_t count, const Place& place, const Index& index);
   /// Marks all cells within the radius of an occupied one.
   void mark_surroundings(const Bins& bins, std::vector<char>& marks) const;
-  /// Appends everything binned within the radius of a place, but for `self`.
-  void search(const Bins& bins, const double* x, std::uint32_t self, std::vector<std::uint32_t>& list) const;
+  /// What the bins hold in the cells around one cell.
+  struct Surroundings {
+    std::vector<float> x, y, z;
+    std::vector<std::uint32_t> index;
+    std::uint32_t count = 0;
+  };
+  void gather(const Bins& bins, const int* cell, Surroundings& around) const;
+  /// Writes the indices of the surroundings within the radius of a place, but for `self`, and returns their number.
+  std::size_t select(const Surroundings& around, const double* x, std::uint32_t self,
+                     std::vector<std::uint32_t>& list) const;
+  /// Calls `visit(cell, first, last)` for every cell in which the bins hold something: its coordinates, its range.
+  template <class Visit>
+  void for_occupied_cells(const Bins& bins, const Visit& visit) const;
+
+  /// Cells within the radius along x, y, z. Long rows, contiguous in memory along x, cost least: 9 of them around a
+  /// cell.
+  static constexpr int cells_per_radius[3] = {2, 1, 1};
 
   int dimension_;
   double radius_;
@@ -79,7 +97,8 @@ class Neighbours {
   std::vector<std::uint32_t> cells_of_points_, next_;  ///< scratch
   std::vector<char> near_water_, near_solid_;          ///< per cell
   std::vector<std::uint32_t> index_, wet_index_;
-  std::vector<std::size_t> begin_, middle_, wet_begin_;
+  std::vector<std::size_t> begin_, wet_begin_;
+  std::vector<std::uint16_t> water_count_, count_;  ///< with padding, of the list of each own water particle
   std::vector<std::uint32_t> wet_points_;
 };
 

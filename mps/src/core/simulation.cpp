@@ -17,13 +17,12 @@ using Timer = Phases::Timer;
 
 void Simulation::step(double share_of_window) {
   move(constants_.step);
-  synchronise();
-  if (!lists_valid_) {
-    find_neighbours();
-  } else {
+  if (lists_valid_) {
     const Timer timer(phases_, Phase::halo);
     halo_.update_motion(particles_);
   }
+  synchronise();
+  if (!lists_valid_) find_neighbours();
   {
     const Timer timer(phases_, Phase::continuity);
     advance_density(particles_, neighbours_, constants_, density_rate_);
@@ -88,36 +87,27 @@ void Simulation::move(double step) {
 }
 
 void Simulation::synchronise() {
-  double displacement = 0;
+  double stale = 1;
   if (lists_valid_) {
-    const Timer timer(phases_, Phase::integration);
-    double square = 0;
-    for (std::size_t i = 0; i < particles_.own(); ++i) {
-      double moved = 0;
-      for (int c = 0; c < 3; ++c) {
-        const double d = particles_.record[i].x[c] - build_position_[i][c];
-        moved += d * d;
-      }
-      square = std::max(square, moved);
-    }
-    displacement = std::sqrt(square);
+    const Timer timer(phases_, Phase::search);
+    stale = displacements_.lists_hold(particles_) ? 0 : 1;
   }
   const Timer timer(phases_, Phase::synchronisation);
-  // Agreed by one reduction: the largest displacement, and the lowest rank that has found a failure.
+  // Agreed by one reduction: whether any lists are stale, and the lowest rank that has found a failure.
   int size = 1;
   MPI_Comm_size(comm_, &size);
-  double local[2] = {displacement, failure_.empty() ? 0.0 : static_cast<double>(size - rank_)};
+  double local[2] = {stale, failure_.empty() ? 0.0 : static_cast<double>(size - rank_)};
   double global[2];
   MPI_Allreduce(local, global, 2, MPI_DOUBLE, MPI_MAX, comm_);
   if (global[1] > 0) {
     if (static_cast<int>(global[1]) == size - rank_) throw coupling::InstabilityError(failure_);
     MPI_Barrier(comm_);  // the rank that speaks ends the run
   }
-  if (global[0] > 0.5 * constants_.skin) lists_valid_ = false;
+  if (global[0] > 0) lists_valid_ = false;
 }
 
 void Simulation::find_neighbours() {
-  const double reach = constants_.support + constants_.skin;
+  const double reach = Displacements::reach(constants_.support, constants_.skin);
   const double now = time_ + (started_ ? constants_.step : 0.0);  // of the positions
   std::vector<Traveller> solid;
   {
@@ -127,7 +117,7 @@ void Simulation::find_neighbours() {
     place_wall_points(now);
     if (anywhere_ || walls_.any_moves()) halo_.migrate(decomposition_, reach, anywhere_, wall_points_);
     anywhere_ = false;
-    const auto order = Neighbours::cell_order(water, 0.5 * reach);
+    const auto order = neighbours_.cell_order(water);
     std::vector<Traveller> sorted(water.size());
     for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = water[order[i]];
     particles_.assign(sorted);
@@ -152,10 +142,7 @@ void Simulation::find_neighbours() {
   const Timer timer(phases_, Phase::search);
   if (bodies_) bodies_->resolve_owners(particles_);
   neighbours_.build(particles_, walls_, walls_.thin_walls(now));
-  build_position_.resize(particles_.own());
-  for (std::size_t i = 0; i < particles_.own(); ++i) {
-    for (int c = 0; c < 3; ++c) build_position_[i][c] = particles_.record[i].x[c];
-  }
+  displacements_.remember(particles_);
   lists_valid_ = true;
   ++counters_.builds;
 }
@@ -270,6 +257,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       guard_(scene, constants_),
       halo_(comm),
       neighbours_(scene.dimension, constants_.support + constants_.skin),
+      displacements_(constants_.support, constants_.skin),
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
   MPI_Comm_rank(comm, &rank_);
   int size = 1;
@@ -408,7 +396,7 @@ void Simulation::check_window() {
 std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
          wall_points_.capacity() * sizeof(Traveller) +
-         (acceleration_.capacity() + reaction_.capacity() + build_position_.capacity()) * sizeof(Triple) +
+         (acceleration_.capacity() + reaction_.capacity()) * sizeof(Triple) + displacements_.bytes() +
          density_rate_.capacity() * sizeof(double) + (bodies_ ? bodies_->bytes() : 0);
 }
 

@@ -9,6 +9,7 @@
 #include "core/bodies.hpp"
 #include "core/constants.hpp"
 #include "core/decomposition.hpp"
+#include "core/displacements.hpp"
 #include "core/guard.hpp"
 #include "core/halo.hpp"
 #include "core/neighbours.hpp"
@@ -98,6 +99,7 @@ class Simulation {
   Guard guard_;
   Halo halo_;
   Neighbours neighbours_;
+  Displacements displacements_;
   Particles particles_;
   /// All wall points in this rank's part of space; those near water have a copy among the particles. Position: at the
   /// last build; in place of the velocity: the position at time zero.
@@ -107,7 +109,6 @@ class Simulation {
 
   std::vector<double> density_rate_;
   std::vector<Triple> acceleration_, reaction_, point_acceleration_;
-  std::vector<Triple> build_position_;       ///< of own particles when the lists were built
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body
   Triple guard_reaction_{};                  ///< of the guard on all walls [N]
   std::vector<coupling::Load> window_load_;  ///< mean partial load over the window so far
