@@ -24,6 +24,10 @@ double reference_speed(const Scene& scene) {
     lowest = std::min(lowest, low);
     highest = std::max(highest, high);
     fastest = std::max(fastest, std::sqrt(speed));
+    for (const WaterTable::Row& row : water.table.rows) {
+      const Vec3d& v = row.velocity;
+      fastest = std::max(fastest, std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+    }
   }
   for (const Wall& wall : scene.walls) {
     if (!wall.motion) continue;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "embacle/coupling/types.hpp"
+
 namespace embacle::mps {
 
 namespace {
@@ -60,13 +62,65 @@ class Depth {
   double surface_ = 0;
 };
 
+/// The density ratio for the pressure of a row; beyond a tenth from rest the sound speed is too low for it.
+double checked_density_ratio(const Scene& scene, const Constants& constants, const Water& water,
+                             const WaterTable::Row& row) {
+  const double s = density_ratio_of(row.pressure, constants);
+  if (std::abs(s - 1) < 0.1) return s;
+  throw coupling::InputError(fmt::format(
+      "{}:{}: water.{}: {}:{}: the pressure {:g} Pa would change the density by more than a tenth at a sound speed of "
+      "{:g} m/s; allowed: smaller pressures, or a larger numerics.sound_speed",
+      scene.file.string(), water.line, water.name, water.table.file.filename().string(), row.line, row.pressure,
+      constants.sound_speed));
+}
+
+/// Shares out the particles of the initial state: each rank takes every size-th row.
+struct Share {
+  int rank, size;
+  std::int64_t row = 0;
+  std::int64_t id = 0;
+  [[nodiscard]] bool next_row_is_mine() { return row++ % size == rank; }
+};
+
+void fill_from_table(const Scene& scene, const Constants& constants, const Water& water, Share& share,
+                     InitialParticles& result) {
+  const Depth depth(scene, water);
+  std::size_t within_walls = 0;
+  for (const WaterTable::Row& row : water.table.rows) {
+    const bool mine = share.next_row_is_mine();
+    Traveller traveller;
+    std::copy(row.position.begin(), row.position.end(), traveller.record.x);
+    if (inside_box_wall(scene, traveller.record.x)) {
+      ++within_walls;
+      continue;
+    }
+    traveller.identity.id = share.id++;
+    const double s = water.table.has_pressure ? checked_density_ratio(scene, constants, water, row) : 1.0;
+    if (!mine) continue;
+    const Vec3d& velocity = water.table.has_velocity ? row.velocity : water.velocity;
+    std::copy(velocity.begin(), velocity.end(), traveller.record.v);
+    traveller.record.p =
+        water.table.has_pressure ? row.pressure : depth.pressure(traveller.record.x, constants.density);
+    traveller.record.s = water.table.has_pressure ? s : density_ratio_of(traveller.record.p, constants);
+    result.water.push_back(traveller);
+  }
+  if (within_walls > 0) {
+    result.warnings.push_back(fmt::format("{}:{}: water '{}': {} of {} particles of the table lie in walls: left out",
+                                          scene.file.filename().string(), water.line, water.name, within_walls,
+                                          water.table.rows.size()));
+  }
+}
+
 }  // namespace
 
 InitialParticles fill(const Scene& scene, const Constants& constants, const Walls& walls, int rank, int size) {
   InitialParticles result;
-  std::int64_t slice = 0;  // counts rows; each rank takes every size-th
-  std::int64_t id = 0;
+  Share share{rank, size};
   for (const Water& water : scene.water) {
+    if (water.kind == Water::Kind::table) {
+      fill_from_table(scene, constants, water, share, result);
+      continue;
+    }
     std::vector<double> lattice[3] = {{0.0}, {0.0}, {0.0}};
     bool fits = true;
     for (int c = 0; c < scene.dimension; ++c) {
@@ -89,12 +143,12 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
     const Depth depth(scene, water);
     for (const double z : lattice[2]) {
       for (const double y : lattice[1]) {
-        const bool mine = slice++ % size == rank;
+        const bool mine = share.next_row_is_mine();
         for (const double x : lattice[0]) {
           Traveller traveller;
           traveller.record = {{x, y, z}, {water.velocity[0], water.velocity[1], water.velocity[2]}, 0, 1};
           if (inside_box_wall(scene, traveller.record.x)) continue;
-          traveller.identity.id = id++;
+          traveller.identity.id = share.id++;
           if (!mine) continue;
           traveller.record.p = depth.pressure(traveller.record.x, constants.density);
           traveller.record.s = density_ratio_of(traveller.record.p, constants);
@@ -103,10 +157,10 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
       }
     }
   }
-  id = 0;
+  std::int64_t id = 0;
   for (int w = 0; w < walls.count(); ++w) {
     for (const Walls::Point& point : walls.points(w)) {
-      if (slice++ % size != rank) {
+      if (!share.next_row_is_mine()) {
         ++id;
         continue;
       }

@@ -75,12 +75,15 @@ struct Place {
   return "a date or time";
 }
 
-/// The whole text of a regular file. Throws ValueError.
-[[nodiscard]] inline std::string file_text(const std::filesystem::path& file) {
-  constexpr std::uintmax_t largest = 1 << 24;  // a scene or a table beyond this is some other file
+/// A scene, or a table that someone has typed, beyond this is some other file [bytes].
+constexpr std::uintmax_t largest_scene_file = 1 << 24;
+
+/// The whole text of a regular file of at most `largest` bytes. Throws ValueError.
+[[nodiscard]] inline std::string file_text(const std::filesystem::path& file,
+                                           std::uintmax_t largest = largest_scene_file) {
   std::error_code error;
   if (const auto size = std::filesystem::file_size(file, error); !error && size > largest)
-    throw ValueError("is larger than 16 MiB: not a file of this kind");
+    throw ValueError("is larger than " + std::to_string(largest >> 20) + " MiB: not a file of this kind");
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream.is_open() || stream.bad()) throw ValueError("cannot be read (permission?)");

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "scene/document.hpp"
-#include "scene/motion_table.hpp"
 #include "scene/rules.hpp"
 #include "scene/schema.hpp"
 #include "scene/suggest.hpp"
+#include "scene/tables.hpp"
 #include "scene/units.hpp"
 
 namespace embacle::mps {
@@ -35,7 +35,9 @@ class Reader {
     read_single(all.domain, scene);
     read_single(all.fluid, scene.fluid);
     read_single(all.numerics, scene.numerics);
-    read_repeated(all.water, scene.water, [](Water&, const toml::table&, const std::string&) {});
+    read_repeated(all.water, scene.water, [&](Water& water, const toml::table&, const std::string&) {
+      if (water.kind == Water::Kind::table) enclose(water, scene.numerics.particle_distance);
+    });
     read_repeated(all.wall, scene.walls, [this](Wall& wall, const toml::table& table, const std::string& path) {
       const toml::node* motion = table.get("motion");
       if (motion == nullptr) return;
@@ -310,12 +312,22 @@ class Reader {
   }
 
   void read_value(const toml::node& node, const std::string& path, const Key& key, MotionTable& out) {
+    read_table_of(node, path, key, out, read_motion_table);
+  }
+
+  void read_value(const toml::node& node, const std::string& path, const Key& key, WaterTable& out) {
+    read_table_of(node, path, key, out, read_water_table);
+  }
+
+  template <class Table>
+  void read_table_of(const toml::node& node, const std::string& path, const Key& key, Table& out,
+                     Table (*reading)(const fs::path&, int)) {
     fs::path file;
     read_value(node, path, key, file);
     if (file.empty()) return;
     const int line = document_.place_of(path).line;
     try {
-      out = read_motion_table(file, dimension_);
+      out = reading(file, dimension_);
     } catch (const TableError& error) {
       const std::string at = error.line > 0 ? ":" + std::to_string(error.line) : "";
       problems_.add(file.string() + at, line, path, error.what());
@@ -326,6 +338,18 @@ class Reader {
   requires std::is_enum_v<Enumeration>
   void read_value(const toml::node& node, const std::string& path, const Key& key, Enumeration& out) {
     if (const auto index = read_choice(node, path, key, &out)) out = static_cast<Enumeration>(*index);
+  }
+
+  /// The region of water from a table: the box around its particles, each of which fills a cell.
+  void enclose(Water& water, double cell) const {
+    if (water.table.rows.empty()) return;
+    water.region = {water.table.rows.front().position, water.table.rows.front().position};
+    for (const WaterTable::Row& row : water.table.rows) {
+      for (int axis = 0; axis < dimension_; ++axis) {
+        water.region.lower[axis] = std::min(water.region.lower[axis], row.position[axis] - 0.5 * cell);
+        water.region.upper[axis] = std::max(water.region.upper[axis], row.position[axis] + 0.5 * cell);
+      }
+    }
   }
 
   // Sections.

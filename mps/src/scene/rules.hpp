@@ -122,9 +122,42 @@ class Rules {
   }
 
   void check_water(const std::string& path, const Water& water) {
-    check_region(path, water.region, false);
+    const bool table = water.kind == Water::Kind::table;
+    bool complete = true;
+    for (const char* key : {"lower", "upper", "file"}) {
+      const bool wanted = (std::string(key) == "file") == table;
+      const bool given = context_.given(path + "." + key);
+      complete = complete && given == wanted;
+      if (wanted && !given)
+        context_.report({path}, "the key '" + std::string(key) + "' is required for water of this kind (" +
+                                    (table ? "table" : "box") + ")");
+      if (!wanted && given)
+        context_.report({path + "." + key}, table
+                                                ? "a table says where its water is; leave it out, or set kind = \"box\""
+                                                : "belongs to kind = \"table\", and this water is a box; leave it out");
+    }
+    if (!complete) return;
+    if (table)
+      check_water_table(path, water);
+    else
+      check_region(path, water.region, false);
     if (water.level && scene_.fluid.gravity == Vec3d{} && context_.sound("fluid.gravity"))
       context_.report({path + ".level"}, "a level needs gravity, and fluid.gravity is zero; leave it out");
+  }
+
+  void check_water_table(const std::string& path, const Water& water) {
+    for (const WaterTable::Row& row : water.table.rows) {
+      if (!domain_sound_ || inside_domain(row.position)) continue;
+      context_.report({path + ".file", "domain.lower", "domain.upper"},
+                      water.table.file.filename().string() + ":" + std::to_string(row.line) + ": " +
+                          text(row.position) + " m is outside of the domain, " + text(scene_.domain.lower) + " to " +
+                          text(scene_.domain.upper) + " m");
+      break;
+    }
+    if (water.table.has_velocity && context_.given(path + ".velocity"))
+      context_.report({path + ".velocity"}, "the table has velocities; leave it out, here or there");
+    if (water.table.has_pressure && context_.given(path + ".level"))
+      context_.report({path + ".level"}, "the table has pressures; leave it out, or leave them out");
   }
 
   void check_wall(const std::string& path, const Wall& wall) {

@@ -47,13 +47,31 @@ struct Wall {
   int line = 0;  ///< line of the scene file, for messages
 };
 
-/// Water that fills a box at the start (less what solids occupy).
+/// Particles at the start, one a row of a file.
+struct WaterTable {
+  struct Row {
+    Vec3d position{};     ///< [m]
+    Vec3d velocity{};     ///< [m/s]
+    double pressure = 0;  ///< [Pa]
+    int line = 0;         ///< of the file, for messages
+  };
+  std::filesystem::path file;
+  std::vector<Row> rows;
+  bool has_velocity = false;
+  bool has_pressure = false;
+};
+
+/// Water that fills a box at the start, or particles from a table (both less what solids occupy).
 struct Water {
+  enum class Kind { box, table };
   std::string name;
-  BoxRegion region;  ///< [m]; empty (zero thickness) is allowed and gives no particles
+  Kind kind = Kind::box;
+  /// [m]; of a box that is empty (zero thickness), no particles; of a table, the box that its particles fill.
+  BoxRegion region;
+  WaterTable table;
   Vec3d velocity{};  ///< initial [m/s]
   /// Level [m] along the direction against gravity from which the initial pressure is hydrostatic; the region's top if
-  /// unset.
+  /// unset. Not for a table that has pressures.
   std::optional<double> level;
   int line = 0;
 };

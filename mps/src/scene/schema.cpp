@@ -119,27 +119,47 @@ Schema make_schema() {
       .meaning = "its name, for messages, files and `--set`: letters, digits, _ and -; unique among its kind",
       .required = true,
       .label = true};
-  s.water = {"water",
-             "A box filled with water at the start, less what solids occupy. Any number of them.",
-             {
-                 {name, [](Water& x) -> Target { return &x.name; }},
-                 {{.name = "lower", .meaning = "lowest corner", .quantity = Q::length, .required = true},
-                  [](Water& x) -> Target { return &x.region.lower; }},
-                 {{.name = "upper",
-                   .meaning = "highest corner; a box without volume is allowed and holds no water",
-                   .quantity = Q::length,
-                   .required = true},
-                  [](Water& x) -> Target { return &x.region.upper; }},
-                 {{.name = "velocity", .meaning = "velocity at the start", .quantity = Q::speed},
-                  [](Water& x) -> Target { return &x.velocity; }},
-                 {{.name = "level",
-                   .meaning = "height of the water level against gravity, from which the first pressure is hydrostatic",
-                   .quantity = Q::length,
-                   .default_text = "top of the box"},
-                  [](Water& x) -> Target { return &x.level; }},
-             },
-             {},
-             true};
+  s.water = {
+      "water",
+      "Water at the start, less what solids occupy: a box that is filled, or particles from a table. Any number of "
+      "them.",
+      {
+          {name, [](Water& x) -> Target { return &x.name; }},
+          {{.name = "kind",
+            .meaning = "`box`: the lattice of the particle distance between `lower` and `upper`; `table`: the "
+                       "particles in `file`",
+            .choices = {"box", "table"}},
+           [](Water& x) -> Target { return &x.kind; }},
+          {{.name = "lower",
+            .meaning = "lowest corner; required for a box",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Water& x) -> Target { return &x.region.lower; }},
+          {{.name = "upper",
+            .meaning = "highest corner; required for a box; one without volume is allowed and holds no water",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Water& x) -> Target { return &x.region.upper; }},
+          {{.name = "file",
+            .meaning = "required for a table: CSV file, path relative to the scene file, with a header line `x "
+                       "[m], y [m], z [m], vx [m/s], vy [m/s], vz [m/s], p [Pa]` (in 2-D without z and vz; other "
+                       "units are possible; the velocities, and the pressure, may be left out) and one row a "
+                       "particle. Every particle has the mass of one particle distance cubed (in 2-D squared)",
+            .default_text = "none"},
+           [](Water& x) -> Target { return &x.table; }},
+          {{.name = "velocity",
+            .meaning = "velocity at the start, unless a table has velocities",
+            .quantity = Q::speed},
+           [](Water& x) -> Target { return &x.velocity; }},
+          {{.name = "level",
+            .meaning = "height of the water level against gravity, from which the first pressure is hydrostatic, "
+                       "unless a table has pressures",
+            .quantity = Q::length,
+            .default_text = "top of the water"},
+           [](Water& x) -> Target { return &x.level; }},
+      },
+      {},
+      true};
   s.wall = {"wall",
             "A solid boundary. Any number of them.",
             {
@@ -288,7 +308,8 @@ std::string type_text(const Key& key, const Target& target) {
   if (std::holds_alternative<int*>(target)) return "whole number";
   if (std::holds_alternative<bool*>(target)) return "true or false";
   if (std::holds_alternative<std::string*>(target)) return "text";
-  if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target))
+  if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target) ||
+      std::holds_alternative<WaterTable*>(target))
     return "file";
   return key.choices.empty() ? number : "word";
 }
@@ -308,6 +329,7 @@ std::string default_text(const Key& key, const Target& target) {
   if (const auto* scheme = std::get_if<Scheme*>(&target)) choice = static_cast<std::size_t>(**scheme);
   if (const auto* gauge = std::get_if<GaugeKind*>(&target)) choice = static_cast<std::size_t>(**gauge);
   if (const auto* wall = std::get_if<Wall::Kind*>(&target)) choice = static_cast<std::size_t>(**wall);
+  if (const auto* water = std::get_if<Water::Kind*>(&target)) choice = static_cast<std::size_t>(**water);
   return choice < key.choices.size() ? "`" + key.choices[choice] + "`" : "none";
 }
 
@@ -348,10 +370,14 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
     std::string operator()(const MotionTable*) const {
       return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
+    std::string operator()(const WaterTable*) const {
+      return operator()(static_cast<const std::filesystem::path*>(nullptr));
+    }
     std::string operator()(const KernelKind*) const { return choices; }
     std::string operator()(const Scheme*) const { return choices; }
     std::string operator()(const GaugeKind*) const { return choices; }
     std::string operator()(const Wall::Kind*) const { return choices; }
+    std::string operator()(const Water::Kind*) const { return choices; }
   };
   return std::visit(Describe{key, choices, quantity, dimension}, target);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/diagnostics.hpp"
+#include "core/filling.hpp"
 #include "small_scenes.hpp"
 
 namespace embacle::mps {
@@ -119,6 +120,50 @@ TEST(Simulation, ABrokenRunNamesStepPlaceAndQuantity) {
     for (const char* word : {"step", "t =", "speed", " m", "particle"})
       EXPECT_NE(message.find(word), std::string::npos) << message;
   }
+}
+
+TEST(Simulation, WaterFromATableIsTheSameWater) {
+  // The lattice of the box, once filled and once row by row.
+  const Scene box = test::collapsing_column(2, 12);
+  Scene table = box;
+  Water& water = table.water.front();
+  water.kind = Water::Kind::table;
+  for (int j = 0; j < 12; ++j) {
+    for (int i = 0; i < 12; ++i) water.table.rows.push_back({{(i + 0.5) * 0.01, (j + 0.5) * 0.01, 0}});
+  }
+  const Result filled = result_of(box, MPI_COMM_WORLD, 100);
+  const Result read = result_of(table, MPI_COMM_WORLD, 100);
+  EXPECT_EQ(read.state.particles, filled.state.particles);
+  EXPECT_NEAR(read.state.energy.kinetic, filled.state.energy.kinetic, 1e-10 * filled.state.energy.kinetic);
+  EXPECT_NEAR(read.state.energy.elastic, filled.state.energy.elastic, 1e-9 * filled.state.energy.elastic);
+}
+
+TEST(Simulation, ATableGivesVelocityAndPressure) {
+  Scene scene = test::still_tank(2, 4);
+  scene.walls.clear();
+  scene.numerics.sound_speed = 20;
+  Water& water = scene.water.front();
+  water.kind = Water::Kind::table;
+  water.table.has_velocity = water.table.has_pressure = true;
+  for (int i = 0; i < 5; ++i) water.table.rows.push_back({{0.1 * i, 0.5, 0}, {0.1 * i, -1, 0}, 100.0 * i - 200, i + 2});
+  const Constants constants = constants_of(scene);
+  EXPECT_NEAR(constants.reference_speed, std::sqrt(1 + 0.16), 1e-15);
+  const Walls walls(scene, 2, constants.layers);
+  std::int64_t count = 0;
+  for (int rank = 0; rank < 3; ++rank) {
+    for (const Traveller& particle : fill(scene, constants, walls, rank, 3).water) {
+      const Record& record = particle.record;
+      const WaterTable::Row& row = water.table.rows[particle.identity.id];
+      ++count;
+      EXPECT_EQ(particle.identity.id % 3, rank);
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(record.x[c], row.position[c]);
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(record.v[c], row.velocity[c]);
+      EXPECT_NEAR(pressure_of(record.s, constants), row.pressure, 1e-8);
+    }
+  }
+  EXPECT_EQ(count, 5);
+  water.table.rows.back().pressure = 1e6;
+  EXPECT_THROW((void)fill(scene, constants, walls, 0, 1), coupling::InputError);
 }
 
 TEST(Walls, AGateMovesAsPrescribed) {

@@ -80,12 +80,24 @@ TEST(Read, FullScene) {
       (std::vector{n.support, n.cfl, n.sound_speed, n.reference_speed, n.artificial_viscosity, n.density_diffusion,
                    n.collision_distance, n.collision_restitution, n.skin, n.rebalance_imbalance}),
       (std::vector{3.1, 0.4, 30.0, 3.0, 0.02, 0.1, 0.8, 0.4, 0.2, 1.2}));
-  ASSERT_EQ(s.water.size(), 1U);
+  ASSERT_EQ(s.water.size(), 2U);
   EXPECT_EQ(s.water[0].name, "upstream");
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
   EXPECT_EQ(s.water[0].level, 0.25 + 0.02);
   EXPECT_EQ(s.water[0].line, 34);
+  EXPECT_EQ(s.water[0].kind, Water::Kind::box);
+  EXPECT_EQ(s.water[1].kind, Water::Kind::table);
+  const WaterTable& table = s.water[1].table;
+  ASSERT_EQ(table.rows.size(), 2U);
+  EXPECT_TRUE(table.has_velocity);
+  EXPECT_TRUE(table.has_pressure);
+  EXPECT_EQ(table.rows[1].position, (Vec3d{0.705, 0.1, 0.02}));
+  EXPECT_EQ(table.rows[1].velocity, (Vec3d{0.1, -0.2, 0.3}));
+  EXPECT_EQ(table.rows[1].pressure, 50);
+  EXPECT_EQ(table.rows[1].line, 3);
+  EXPECT_NEAR(s.water[1].region.lower[0], 0.7 - 0.0025, 1e-15);
+  EXPECT_NEAR(s.water[1].region.upper[0], 0.705 + 0.0025, 1e-15);
   ASSERT_EQ(s.walls.size(), 3U);
   EXPECT_EQ(s.walls[0].kind, Wall::Kind::tank);
   EXPECT_EQ(s.walls[0].open, std::vector<std::string>{"z+"});
@@ -200,8 +212,6 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       // sections
       {"[fluid]", "[flud]", "scene.toml:15: flud: unknown section; did you mean 'fluid'?"},
       {"[fluid]", "[[fluid]]", "scene.toml:15: fluid: may stand only once: write [fluid], not [[fluid]]"},
-      {"[[water]]", "[water]",
-       "scene.toml:34: water: found a section; allowed: any number of sections, each begun by [[water]]"},
       {"title =", "run_title =", "scene.toml:2: run_title: unknown key; did you mean 'title'?"},
       {"[output]", "[output]\ncfl = 1",
        "scene.toml:88: output.cfl: unknown key; it belongs to [numerics]; allowed: audit"},
@@ -271,6 +281,8 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
   };
   ASSERT_EQ(error(full_), "");
   for (const Mistake& mistake : mistakes) EXPECT_HAS(error_with(mistake.from, mistake.to), mistake.expected);
+  EXPECT_HAS(error(replaced(flat_, "[[water]]", "[water]")),
+             "scene.toml:8: water: found a section; allowed: any number of sections, each begun by [[water]]");
   EXPECT_HAS(error(flat_ + "[[wall]]\nname='t'\nkind='tank'\nlower=[0,0]\nupper=[1,1]\nopen=['z+']"),
              "a 2-D tank has no sides in z");
 }
@@ -332,6 +344,41 @@ TEST_F(SceneFile, MotionTablesAreReadStrictly) {
   }
   write(folder_ / "paddle.csv", "\xEF\xBB\xBFt,x,y,z\r\n0,1,2,3\r\n");
   EXPECT_EQ(read_scene(scene(full_)).walls[2].motion->table, (MotionTable{{0, {1, 2, 3}}}));
+}
+
+TEST_F(SceneFile, WaterTablesAreReadStrictly) {
+  const std::string header = "x [m], y [m], z [m], vx [m/s], vy [m/s], vz [m/s], p [Pa]\n";
+  const std::pair<std::string, const char*> mistakes[] = {
+      {"", "start.csv: water.spray.file: has no rows"},
+      {"x [m], y [m]\n",
+       "start.csv:1: water.spray.file: the header is 'x [m], y [m]'; allowed: x [m], y [m], z [m], vx"},
+      {"x, y, z, vx, vy\n", "start.csv:1: "},
+      {"x, y, z, p, vx, vy, vz\n", "start.csv:1: "},
+      {"x, y, z, p [m]\n", "start.csv:1: water.spray.file: column 'p [m]': '1 m' is a length [m], expected a pressure"},
+      {header + "0, 0, 0\n", "start.csv:2: water.spray.file: has 3 columns, the header 7"},
+      {"x, y, z\n0, 0, 1 mm\n", "start.csv:2: water.spray.file: column 3: '1 mm' is not a number"},
+      {"x, y, z\n0, 0, 0\n0.5, 0, 0\n0, 0, 0\n", "start.csv:4: water.spray.file: is at the same place as line 2"},
+      {"x, y, z\n0, 0, 0\n# far\n5, 0, 0\n", "water.spray.file: start.csv:4: [5, 0, 0] m is outside of the domain"},
+  };
+  for (const auto& [text, expected] : mistakes) {
+    write(folder_ / "start.csv", text);
+    EXPECT_HAS(error(full_), expected);
+  }
+  write(folder_ / "start.csv", "x [mm], y [mm], z [mm], p [kPa]\n1, 2, 3, 4\n");
+  const WaterTable pressures = read_scene(scene(full_)).water[1].table;
+  EXPECT_EQ(pressures.rows[0].position, (Vec3d{0.001, 0.002, 0.003}));
+  EXPECT_EQ(pressures.rows[0].pressure, 4000);
+  EXPECT_FALSE(pressures.has_velocity);
+
+  const std::string spray = "file = \"start.csv\"";
+  EXPECT_HAS(error_with(spray, spray + "\nlevel = 0.5"), "water.spray.level: the table has pressures");
+  EXPECT_HAS(error_with(spray, spray + "\nupper = [1, 1, 1]"), "water.spray.upper: a table says where its water is");
+  EXPECT_HAS(error_with(spray, ""), "water.spray: the key 'file' is required for water of this kind (table)");
+  EXPECT_HAS(error_with("kind = \"table\"\n", ""), "water.spray.file: belongs to kind = \"table\"");
+  EXPECT_HAS(error_with("lower = [0, 0, 0]\nupper = [\"50 cm\"", "upper = [\"50 cm\""),
+             "water.upstream: the key 'lower' is required for water of this kind (box)");
+  write(folder_ / "start.csv", "x, y, z, vx, vy, vz\n0, 0, 0, 1, 1, 1\n");
+  EXPECT_HAS(error_with(spray, spray + "\nvelocity = [1, 0, 0]"), "water.spray.velocity: the table has velocities");
 }
 
 // The schema as a whole.
