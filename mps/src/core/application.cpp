@@ -127,6 +127,9 @@ std::string explain_report(const Scene& scene) {
   module(true, fmt::format("weakly compressible MPS, {}-D", c.dimension),
          fmt::format("2 sweeps a step over {} neighbours ({} weight)", c.lattice.neighbours,
                      c.kernel == KernelKind::wendland ? "Wendland" : "rational"));
+  std::string directions;
+  for (const std::string& axis : scene.periodic) directions += (directions.empty() ? " in " : ", ") + axis;
+  module(!scene.periodic.empty(), "periodic directions" + directions, "ghosts of the images, also on one rank");
   module(n.density_diffusion > 0, "density diffusion", "in the density sweep");
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
   module(n.collision_distance > 0, "particle collision", "in the force sweep");

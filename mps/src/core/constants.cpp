@@ -9,14 +9,15 @@ namespace embacle::mps {
 
 double reference_speed(const Scene& scene) {
   if (scene.numerics.reference_speed > 0) return scene.numerics.reference_speed;
+  const Vec3d weight = scene.static_gravity();
   double gravity = 0;
-  for (const double g : scene.fluid.gravity) gravity += g * g;
+  for (const double g : weight) gravity += g * g;
   gravity = std::sqrt(gravity);
   double lowest = 1e300, highest = -1e300, fastest = 0;
   for (const Water& water : scene.water) {
     double low = 0, high = 0, speed = 0;
     for (int c = 0; c < 3; ++c) {
-      const double up = gravity > 0 ? -scene.fluid.gravity[c] / gravity : 0;
+      const double up = gravity > 0 ? -weight[c] / gravity : 0;
       low += std::min(up * water.region.lower[c], up * water.region.upper[c]);
       high += std::max(up * water.region.lower[c], up * water.region.upper[c]);
       speed += water.velocity[c] * water.velocity[c];
@@ -61,6 +62,8 @@ Constants constants_of(const Scene& scene) {
   c.density = scene.fluid.density;
   c.particle_mass = c.density * std::pow(c.particle_distance, c.dimension) * (c.dimension == 2 ? scene.thickness : 1.0);
   for (int k = 0; k < 3; ++k) c.gravity[k] = scene.fluid.gravity[k];
+  for (int k = 0; k < 3; ++k) c.static_gravity[k] = scene.static_gravity()[k];
+  c.periodic = periodic_of(scene);
   c.reference_speed = reference_speed(scene);
   c.sound_speed = scene.numerics.sound_speed > 0 ? scene.numerics.sound_speed : 10 * c.reference_speed;
   c.step = scene.numerics.cfl * c.particle_distance / (c.sound_speed + c.reference_speed);

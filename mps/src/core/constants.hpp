@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/kernel.hpp"
+#include "core/periodic.hpp"
 #include "scene/scene.hpp"
 
 namespace embacle::mps {
@@ -13,12 +14,14 @@ struct Constants {
   double skin = 0;               ///< of the neighbour lists [m]
   int layers = 0;                ///< of wall points needed to fill the support
   KernelKind kernel = KernelKind::wendland;
-  double density = 0;               ///< rho0 [kg/m^3]
-  double particle_mass = 0;         ///< rho0 l0^d (times the thickness in 2-D) [kg]
-  double reference_speed = 0;       ///< largest speed expected [m/s]
-  double sound_speed = 0;           ///< c0 [m/s]
-  double step = 0;                  ///< time step [s]
-  double gravity[3] = {0, 0, 0};    ///< [m/s^2]
+  double density = 0;             ///< rho0 [kg/m^3]
+  double particle_mass = 0;       ///< rho0 l0^d (times the thickness in 2-D) [kg]
+  double reference_speed = 0;     ///< largest speed expected [m/s]
+  double sound_speed = 0;         ///< c0 [m/s]
+  double step = 0;                ///< time step [s]
+  double gravity[3] = {0, 0, 0};  ///< [m/s^2]
+  double static_gravity[3] = {};  ///< the part that pressure can balance: not along periodic directions [m/s^2]
+  Periodic periodic;
   double gradient_factor = 0;       ///< d/n0
   double laplacian_factor = 0;      ///< 2 d/(lambda n0)
   double viscosity = 0;             ///< kinematic [m^2/s]

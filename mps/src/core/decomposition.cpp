@@ -2,6 +2,7 @@
 
 #include <zoltan.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -54,11 +55,22 @@ void check(int status, const char* what) {
 
 }  // namespace
 
-Decomposition::Decomposition(MPI_Comm comm) : comm_(comm) {
+Decomposition::Decomposition(MPI_Comm comm, const Periodic& periodic) : comm_(comm), periodic_(periodic) {
   MPI_Comm_rank(comm, &rank_);
   MPI_Comm_size(comm, &size_);
   const double inf = std::numeric_limits<double>::infinity();
-  boxes_.assign(size_, Box{coupling::Vec3::Constant(-inf), coupling::Vec3::Constant(inf)});
+  boxes_.resize(size_);
+  for (int r = 0; r < size_; ++r) set_box(r, coupling::Vec3::Constant(-inf), coupling::Vec3::Constant(inf));
+}
+
+void Decomposition::set_box(int rank, const coupling::Vec3& lower, const coupling::Vec3& upper) {
+  boxes_[rank] = {lower, upper};
+  for (int c = 0; c < 3; ++c) {
+    if (!periodic_.in(c)) continue;
+    const double end = periodic_.lower[c] + periodic_.length[c];
+    boxes_[rank].lower[c] = std::clamp(lower[c], periodic_.lower[c], end);
+    boxes_[rank].upper[c] = std::clamp(upper[c], periodic_.lower[c], end);
+  }
 }
 
 void Decomposition::partition(int dimension, const std::vector<double>& positions, const std::vector<float>& weights) {
@@ -100,9 +112,10 @@ void Decomposition::partition(int dimension, const std::vector<double>& position
           "Zoltan_RCB_Box");
     for (int c = 0; c < 3; ++c) {
       const bool used = c < dimension;
-      boxes_[part].lower[c] = used && std::abs(lower[c]) < 1e30 ? lower[c] : -inf;
-      boxes_[part].upper[c] = used && std::abs(upper[c]) < 1e30 ? upper[c] : inf;
+      lower[c] = used && std::abs(lower[c]) < 1e30 ? lower[c] : -inf;
+      upper[c] = used && std::abs(upper[c]) < 1e30 ? upper[c] : inf;
     }
+    set_box(part, {lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]});
   }
   Zoltan_Destroy(&zoltan);
 }
@@ -125,10 +138,38 @@ bool within_reach(const Box& a, const Box& b, double reach) {
   return square <= reach * reach;
 }
 
+std::vector<Nearby> Decomposition::nearby(double reach) const {
+  const auto displaced = [&](const Box& box, const std::array<int, 3>& image, int sign) {
+    Box result = box;
+    for (int c = 0; c < 3; ++c) {
+      result.lower[c] += sign * image[c] * periodic_.length[c];
+      result.upper[c] += sign * image[c] * periodic_.length[c];
+    }
+    return result;
+  };
+  const int most[3] = {periodic_.in(0) ? 1 : 0, periodic_.in(1) ? 1 : 0, periodic_.in(2) ? 1 : 0};
+  std::vector<Nearby> result;
+  for (int r = 0; r < size_; ++r) {
+    for (int k = -most[2]; k <= most[2]; ++k) {
+      for (int j = -most[1]; j <= most[1]; ++j) {
+        for (int i = -most[0]; i <= most[0]; ++i) {
+          const std::array<int, 3> image{i, j, k};
+          if (r == rank_ && image == std::array<int, 3>{}) continue;
+          // Of the two boxes always the same one is displaced, so that both ranks find the same in spite of rounding.
+          const bool near = image < std::array<int, 3>{} ? within_reach(displaced(boxes_[r], image, -1), own(), reach)
+                                                         : within_reach(displaced(own(), image, 1), boxes_[r], reach);
+          if (near) result.push_back({r, image});
+        }
+      }
+    }
+  }
+  return result;
+}
+
 std::vector<int> Decomposition::neighbours(double reach) const {
   std::vector<int> result;
-  for (int r = 0; r < size_; ++r) {
-    if (r != rank_ && within_reach(boxes_[r], own(), reach)) result.push_back(r);
+  for (const Nearby& other : nearby(reach)) {
+    if (other.rank != rank_ && (result.empty() || result.back() != other.rank)) result.push_back(other.rank);
   }
   return result;
 }

@@ -5,32 +5,46 @@
 
 #include <vector>
 
+#include "core/periodic.hpp"
 #include "embacle/coupling/types.hpp"
 
 namespace embacle::mps {
 
 using coupling::Box;
 
+/// A rank whose box lies near that of this rank, or an image of one, in periodic directions also of this rank itself.
+struct Nearby {
+  int rank = 0;
+  std::array<int, 3> image{};  ///< periods by which what this rank has is displaced to stand beside that box
+};
+
 /// Splits space into one box a rank such that each holds about the same weight.
 class Decomposition {
  public:
-  explicit Decomposition(MPI_Comm comm);
+  explicit Decomposition(MPI_Comm comm, const Periodic& periodic = {});
 
   /// Collective. `positions`: 3 per point [m]; `weights`: one per point. Afterwards every rank knows every box;
-  /// together they tile space (outer faces at +-infinity).
+  /// together they tile space (outer faces at +-infinity, or at the ends of the domain where it is periodic).
   void partition(int dimension, const std::vector<double>& positions, const std::vector<float>& weights);
 
   [[nodiscard]] const std::vector<Box>& boxes() const { return boxes_; }
   [[nodiscard]] const Box& own() const { return boxes_[rank_]; }
   /// Rank that owns a place; tries `guess` first.
   [[nodiscard]] int owner(const double* x, int guess) const;
-  /// Other ranks whose box lies within `reach` [m] of this rank's, ascending.
+  /// Other ranks whose box, or an image of it, lies within `reach` [m] of this rank's, ascending.
   [[nodiscard]] std::vector<int> neighbours(double reach) const;
+  /// Boxes and images of boxes within `reach`, by ascending rank; without periodic directions just the neighbours. If
+  /// (rank b, image) is near rank a, then (rank a, -image) is near rank b.
+  [[nodiscard]] std::vector<Nearby> nearby(double reach) const;
+  [[nodiscard]] const Periodic& periodic() const { return periodic_; }
 
  private:
+  void set_box(int rank, const coupling::Vec3& lower, const coupling::Vec3& upper);
+
   MPI_Comm comm_;
   int rank_ = 0;
   int size_ = 1;
+  Periodic periodic_;
   std::vector<Box> boxes_;
 };
 

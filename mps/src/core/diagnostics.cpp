@@ -88,7 +88,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     sums[0] += 1;
     for (int d = 0; d < 3; ++d) {
       sums[1] += 0.5 * m * record.v[d] * record.v[d];
-      sums[2] -= m * c.gravity[d] * record.x[d];
+      sums[2] -= m * c.static_gravity[d] * record.x[d];
       sums[4 + d] += m * record.v[d];
     }
     // Elastic energy of the Tait fluid: m INT p/(rho0 s^2) ds.
@@ -129,15 +129,16 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
 double water_level(const Simulation& simulation, const Scene& scene, const Gauge& gauge) {
   const Constants& c = simulation.constants();
   Vec3d up{};
-  const double norm = std::sqrt(dot(c.gravity, {c.gravity[0], c.gravity[1], c.gravity[2]}));
+  const double* const weight = c.static_gravity;
+  const double norm = std::sqrt(dot(weight, {weight[0], weight[1], weight[2]}));
   if (norm == 0) return std::numeric_limits<double>::quiet_NaN();
-  for (int d = 0; d < 3; ++d) up[d] = -c.gravity[d] / norm;
+  for (int d = 0; d < 3; ++d) up[d] = -weight[d] / norm;
   std::vector<double> heights;
   for (std::size_t i = 0; i < simulation.particles().water; ++i) {
     const double* x = simulation.particles().record[i].x;
     double offset[3], along = 0, square = 0;
     for (int d = 0; d < 3; ++d) {
-      offset[d] = d < scene.dimension ? x[d] - gauge.position[d] : 0;
+      offset[d] = d < scene.dimension ? c.periodic.nearest(d, x[d] - gauge.position[d]) : 0;
       along += offset[d] * up[d];
     }
     for (int d = 0; d < 3; ++d) square += std::pow(offset[d] - along * up[d], 2);
@@ -167,9 +168,9 @@ double pressure_at(const Simulation& simulation, const Gauge& gauge) {
     const Record& record = simulation.particles().record[i];
     double square = 0, head = 0;
     for (int d = 0; d < c.dimension; ++d) {
-      const double offset = gauge.position[d] - record.x[d];
+      const double offset = c.periodic.nearest(d, gauge.position[d] - record.x[d]);
       square += offset * offset;
-      head += c.gravity[d] * offset;
+      head += c.static_gravity[d] * offset;
     }
     const double rest = 1 - std::sqrt(square) / c.support;
     if (rest <= 0) continue;

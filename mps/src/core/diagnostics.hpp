@@ -10,7 +10,7 @@ namespace embacle::mps {
 
 struct Energies {
   double kinetic = 0;    ///< [J]
-  double potential = 0;  ///< [J], zero at the origin
+  double potential = 0;  ///< of the gravity that pressure can balance [J], zero at the origin
   double elastic = 0;    ///< of compression [J]
   [[nodiscard]] double total() const { return kinetic + potential + elastic; }
 };

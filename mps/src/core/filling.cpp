@@ -34,11 +34,12 @@ bool inside_box_wall(const Scene& scene, const double* x) {
 class Depth {
  public:
   Depth(const Scene& scene, const Water& water) {
+    const Vec3d weight = scene.static_gravity();
     double norm = 0;
-    for (const double g : scene.fluid.gravity) norm += g * g;
+    for (const double g : weight) norm += g * g;
     norm_ = std::sqrt(norm);
     if (norm_ == 0) return;
-    for (int c = 0; c < 3; ++c) down_[c] = scene.fluid.gravity[c] / norm_;
+    for (int c = 0; c < 3; ++c) down_[c] = weight[c] / norm_;
     surface_ = 1e300;  // position of the surface along `down_`
     if (water.level) {
       surface_ = -*water.level;

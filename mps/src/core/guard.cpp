@@ -93,7 +93,12 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       double nearest = -1e300, sign = 0;
       int axis = -1;
       for (int c = 0; c < scene_.dimension; ++c) {
-        const double x = record.x[c] - poses[w].moved[c];
+        double x = record.x[c] - poses[w].moved[c];
+        if (constants_.periodic.in(c)) {
+          if (box.upper[c] - box.lower[c] > constants_.periodic.length[c] - distance_) continue;  // has no ends
+          const double middle = 0.5 * (box.lower[c] + box.upper[c]);
+          x = middle + constants_.periodic.nearest(c, x - middle);
+        }
         const double below = box.lower[c] - x, above = x - box.upper[c];
         const double outside = std::max(below, above);
         if (outside > nearest) {
@@ -102,7 +107,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
           sign = below > above ? -1.0 : 1.0;
         }
       }
-      if (nearest >= distance_) continue;
+      if (axis < 0 || nearest >= distance_) continue;
       const double approach = sign * (record.v[axis] - poses[w].velocity[axis]);
       push_from_wall(i, axis, sign, nearest, approach);
     }

@@ -20,9 +20,9 @@ class Halo {
   void migrate(const Decomposition& decomposition, double reach, bool anywhere,
                std::vector<Traveller>& travellers) const;
 
-  /// Ghosts of the water, then of the solid points: every own one within `reach` of a neighbour's box is copied there.
-  /// Returns what the neighbours sent here; the plan stays for the updates, for which assemble() tells that the ghosts
-  /// now stand behind the own particles.
+  /// Ghosts of the water, then of the solid points: every own one within `reach` of a neighbour's box is copied there,
+  /// and so are the images in periodic directions, also to this rank itself. Returns what the neighbours sent here; the
+  /// plan stays for the updates, for which assemble() tells that the ghosts now stand behind the own particles.
   [[nodiscard]] std::vector<Traveller> exchange_water(const Decomposition& decomposition, double reach,
                                                       const Particles& particles);
   [[nodiscard]] std::vector<Traveller> exchange_solid(const Decomposition& decomposition, double reach,
@@ -40,17 +40,22 @@ class Halo {
 
  private:
   struct Link {
-    int rank;
+    Nearby partner;
+    bool displaced = false;  ///< what is sent stands elsewhere for the partner, by `shift`
+    double shift[3] = {0, 0, 0};
     std::vector<std::uint32_t> send_water, send_solid;
     std::size_t receive_water = 0, receive_solid = 0;              ///< counts
     std::size_t receive_water_begin = 0, receive_solid_begin = 0;  ///< first index
     std::vector<double> send_buffer, receive_buffer;
   };
+  /// Appends a traveller, displaced as the link asks, if it then lies within reach of the partner's box.
+  static bool add_if_near(const Link& link, const Box& box, double reach, Traveller traveller,
+                          std::vector<Traveller>& outgoing);
   /// Copies `width` doubles a particle, from offset `first` of the record, of water and/or solid points.
   void update(Particles& particles, int first, int width, bool water, bool solid);
 
   MPI_Comm comm_;
-  std::vector<int> partners_;
+  std::vector<Nearby> partners_;
   std::vector<Link> links_;
   std::int64_t bytes_sent_ = 0;
   std::int64_t messages_sent_ = 0;

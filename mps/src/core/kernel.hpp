@@ -34,9 +34,6 @@ struct Kernel {
   }
 };
 
-/// Default support in particle distances.
-inline double default_support(KernelKind) { return 3.1; }
-
 /// Sums over the full cubic (square) lattice.
 struct LatticeSums {
   double weight = 0;         ///< n0 = SUM F r^2 [m^2]

@@ -38,8 +38,8 @@ void density_rate(const Particles& particles, const Neighbours& neighbours, cons
   const Kernel<K> kernel{1.0 / c.support};
   const Record* records = particles.record.data();
   const double inverse_c2 = 1.0 / (c.sound_speed * c.sound_speed);
-  const Pack gx = splat(c.gravity[0] * inverse_c2), gy = splat(c.gravity[1] * inverse_c2),
-             gz = splat(c.gravity[2] * inverse_c2);
+  const Pack gx = splat(c.static_gravity[0] * inverse_c2), gy = splat(c.static_gravity[1] * inverse_c2),
+             gz = splat(c.static_gravity[2] * inverse_c2);
   const double diffusion = c.density_diffusion * c.laplacian_factor;
   rate.resize(particles.water);
   for (std::size_t i = 0; i < particles.water; ++i) {
@@ -68,7 +68,7 @@ void extrapolate(Particles& particles, const Neighbours& neighbours, const Const
   const auto& wet = neighbours.wet_points();
   for (std::size_t k = 0; k < wet.size(); ++k) {
     Record& me = records[wet[k]];
-    double g[3] = {c.gravity[0], c.gravity[1], c.gravity[2]};
+    double g[3] = {c.static_gravity[0], c.static_gravity[1], c.static_gravity[2]};
     if (!acceleration.empty()) {
       for (int d = 0; d < 3; ++d) g[d] -= acceleration[k][d];
     }

@@ -112,10 +112,18 @@ void Simulation::find_neighbours() {
   std::vector<Traveller> solid;
   {
     const Timer timer(phases_, Phase::search);
+    const auto wrap = [&](std::vector<Traveller>& travellers) {
+      if (!constants_.periodic.any()) return;
+      for (Traveller& traveller : travellers) constants_.periodic.wrap(traveller.record.x);
+    };
     auto water = own_water();
+    wrap(water);
     halo_.migrate(decomposition_, reach, anywhere_, water);
     place_wall_points(now);
-    if (anywhere_ || walls_.any_moves()) halo_.migrate(decomposition_, reach, anywhere_, wall_points_);
+    if (anywhere_ || walls_.any_moves()) {
+      wrap(wall_points_);
+      halo_.migrate(decomposition_, reach, anywhere_, wall_points_);
+    }
     anywhere_ = false;
     const auto order = neighbours_.cell_order(water);
     std::vector<Traveller> sorted(water.size());
@@ -209,6 +217,7 @@ void Simulation::integrate_velocities() {
     pressure = std::max(pressure, record.p);
     const bool inside = [&] {
       for (int c = 0; c < constants_.dimension; ++c) {
+        if (constants_.periodic.in(c)) continue;
         if (record.x[c] < scene_.domain.lower[c] || record.x[c] > scene_.domain.upper[c]) return false;
       }
       return true;
@@ -253,7 +262,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       link_(link),
       constants_(constants_of(scene)),
       walls_(scene, scene.dimension, constants_.layers),
-      decomposition_(comm),
+      decomposition_(comm, constants_.periodic),
       guard_(scene, constants_),
       halo_(comm),
       neighbours_(scene.dimension, constants_.support + constants_.skin),
@@ -330,6 +339,7 @@ void Simulation::decompose() {
   std::vector<float> weights;
   const auto add = [&](const Record& record, float weight) {
     positions.insert(positions.end(), record.x, record.x + 3);
+    constants_.periodic.wrap(positions.data() + positions.size() - 3);
     weights.push_back(weight);
   };
   for (std::size_t i = 0; i < particles_.water; ++i) add(particles_.record[i], 1.0F);

@@ -1,7 +1,9 @@
 // The rules between the keys of a scene: what no single key can be checked for. Included by reader.cpp only.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <set>
 #include <string>
@@ -39,6 +41,7 @@ class Rules {
     if (scene_.dimension == 3 && context_.given("domain.thickness"))
       context_.report({"domain.thickness"}, "only for 2-D scenes; leave it out or set dimension = 2");
     check_numerics();
+    check_periodic();
     each("water", scene_.water, [this](const std::string& path, const Water& water) { check_water(path, water); });
     each("wall", scene_.walls, [this](const std::string& path, const Wall& wall) { check_wall(path, wall); });
     each("gauge", scene_.gauges, [this](const std::string& path, const Gauge& gauge) { check_gauge(path, gauge); });
@@ -121,6 +124,72 @@ class Rules {
     }
   }
 
+  /// Lengths of 1e-6 particle distances are rounding.
+  static bool same_place(double a, double b, double particle_distance) {
+    return std::abs(a - b) <= 1e-6 * particle_distance;
+  }
+
+  /// A computed length without the digits of its rounding.
+  static std::string rounded(double length) { return number_text(std::round(length * 1e9) / 1e9); }
+
+  void check_periodic() {
+    const std::string path = "domain.periodic";
+    if (scene_.periodic.empty() || !context_.sound(path)) return;
+    const std::set<std::string> axes(scene_.periodic.begin(), scene_.periodic.end());
+    if (axes.size() < scene_.periodic.size()) context_.report({path}, "names a direction twice");
+    if (scene_.dimension == 2 && axes.contains("z"))
+      return context_.report({path}, "a 2-D scene has no direction z; allowed: x, y");
+    if (context_.given("coupling"))
+      context_.report({path}, "bodies in a periodic domain are not possible yet; leave out this or [coupling]");
+    if (!domain_sound_ || !context_.sound("numerics")) return;
+    const double l0 = scene_.numerics.particle_distance;
+    const double needed = 2 * (support() + scene_.numerics.skin * l0);
+    for (int axis = 0; axis < scene_.dimension; ++axis) {
+      if (!scene_.is_periodic(axis)) continue;
+      const double length = scene_.domain.upper[axis] - scene_.domain.lower[axis];
+      const double whole = std::round(length / l0) * l0;
+      const std::string what =
+          std::string("the domain's length in ") + axis_names[axis] + ", " + rounded(length) + " m, ";
+      if (!same_place(length, whole, l0))
+        context_.report({path, "domain.lower", "domain.upper", "numerics.particle_distance"},
+                        what + "is no whole number of particle distances (" + number_text(l0) +
+                            " m); nearest: " + rounded(whole) + " m");
+      if (length < needed)
+        context_.report({path, "domain.lower", "domain.upper", "numerics.particle_distance"},
+                        what + "is less than twice the support and skin; allowed: >= " + rounded(needed) + " m");
+    }
+  }
+
+  /// [m]
+  double support() const {
+    const Numerics& n = scene_.numerics;
+    return n.particle_distance * (n.support > 0 ? n.support : default_support(n.kernel));
+  }
+
+  void check_periodic_wall(const std::string& path, const Wall& wall) {
+    if (scene_.periodic.empty() || !domain_sound_ || !context_.sound("numerics") || !context_.sound("domain")) return;
+    const double l0 = scene_.numerics.particle_distance;
+    for (int axis = 0; axis < scene_.dimension; ++axis) {
+      const double lower = wall.region.lower[axis];
+      const double upper = wall.region.upper[axis];
+      const std::string name(1, axis_names[axis]);
+      if (wall.kind == Wall::Kind::box && upper - lower < (std::floor(support() / l0 + 1e-9) - 0.5) * l0)
+        context_.report({path + ".upper", path + ".lower", "domain.periodic"},
+                        "in " + name + " the wall is thinner than the support (" + rounded(support()) +
+                            " m), which is not possible in a periodic domain yet; make it as thick as that");
+      if (wall.kind == Wall::Kind::box || !scene_.is_periodic(axis)) continue;
+      for (const char* sign : {"-", "+"})
+        if (std::find(wall.open.begin(), wall.open.end(), name + sign) == wall.open.end())
+          context_.report({path + ".open", "domain.periodic"},
+                          "the domain is periodic in " + name + ", so a tank must be open at " + name + sign);
+      if (!same_place(lower, scene_.domain.lower[axis], l0) || !same_place(upper, scene_.domain.upper[axis], l0))
+        context_.report({path + ".upper", path + ".lower", "domain.periodic"},
+                        "the domain is periodic in " + name + ", so a tank must reach from end to end, " +
+                            number_text(scene_.domain.lower[axis]) + " m to " + number_text(scene_.domain.upper[axis]) +
+                            " m");
+    }
+  }
+
   void check_water(const std::string& path, const Water& water) {
     const bool table = water.kind == Water::Kind::table;
     bool complete = true;
@@ -141,8 +210,10 @@ class Rules {
       check_water_table(path, water);
     else
       check_region(path, water.region, false);
-    if (water.level && scene_.fluid.gravity == Vec3d{} && context_.sound("fluid.gravity"))
-      context_.report({path + ".level"}, "a level needs gravity, and fluid.gravity is zero; leave it out");
+    if (water.level && scene_.static_gravity() == Vec3d{} && context_.sound("fluid.gravity"))
+      context_.report({path + ".level"}, scene_.fluid.gravity == Vec3d{}
+                                             ? "a level needs gravity, and fluid.gravity is zero; leave it out"
+                                             : "fluid.gravity acts only along periodic directions; leave it out");
   }
 
   void check_water_table(const std::string& path, const Water& water) {
@@ -162,6 +233,7 @@ class Rules {
 
   void check_wall(const std::string& path, const Wall& wall) {
     check_region(path, wall.region, true);
+    check_periodic_wall(path, wall);
     if (wall.kind == Wall::Kind::box && context_.given(path + ".open"))
       context_.report({path + ".open"},
                       "only a tank has open sides, and this wall is a box; leave it out or set kind = \"tank\"");
@@ -202,6 +274,10 @@ class Rules {
     if (!front && context_.given(path + ".direction"))
       context_.report({path + ".direction"}, "only a front has a direction; leave it out");
     if (front && gauge.direction == Vec3d{}) context_.report({path + ".direction"}, "must not be zero");
+    for (int axis = 0; front && axis < scene_.dimension; ++axis)
+      if (scene_.is_periodic(axis) && gauge.direction[axis] != 0)
+        context_.report({path + ".direction", "domain.periodic"},
+                        std::string("the domain is periodic in ") + axis_names[axis] + ", where no front has an end");
   }
 
   /// A run that is cut short from the command line may have pictures after its end: they are just not taken.

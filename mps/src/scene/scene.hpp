@@ -1,6 +1,7 @@
 // A scene as the user stated it, checked and in SI units: plain data, no behaviour.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -22,6 +23,8 @@ struct BoxRegion {
 };
 
 enum class KernelKind { wendland, rational };
+/// Default support in particle distances.
+[[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
 enum class Scheme { serial, parallel };
 enum class GaugeKind { level, pressure, front };
 
@@ -127,7 +130,9 @@ struct Scene {
   std::filesystem::path file;  ///< absolute path of the scene file
   std::string title;
   int dimension = 3;
-  BoxRegion domain;      ///< particles that leave it end the run with status 3 [m]
+  BoxRegion domain;  ///< particles that leave it end the run with status 3 [m]
+  /// Directions, "x" "y" "z", in which what leaves the domain on one side enters on the other.
+  std::vector<std::string> periodic;
   double thickness = 1;  ///< 2-D only: depth of the slice for loads on bodies [m]
   Fluid fluid;
   Numerics numerics;
@@ -140,6 +145,17 @@ struct Scene {
   std::map<std::string, double> parameters;  ///< the scene's own parameters, after --set, in SI
 
   [[nodiscard]] bool coupled() const { return !coupling.script.empty(); }
+  [[nodiscard]] bool is_periodic(int axis) const {
+    return std::find(periodic.begin(), periodic.end(), std::string(1, "xyz"[axis])) != periodic.end();
+  }
+  /// The part of gravity that pressure can balance [m/s^2]: along a periodic direction it drives the water round.
+  [[nodiscard]] Vec3d static_gravity() const {
+    Vec3d result = fluid.gravity;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (is_periodic(axis)) result[axis] = 0;
+    }
+    return result;
+  }
 };
 
 }  // namespace embacle::mps

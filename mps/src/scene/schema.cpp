@@ -26,20 +26,28 @@ Schema make_schema() {
                  [](Scene& x) -> Target { return &x.dimension; }},
             },
             {"parameters", "domain", "fluid", "numerics", "water", "wall", "gauge", "coupling", "output", "run"}};
-  s.domain = {"domain",
-              "The box that holds everything. Water that leaves it ends the run with status 3.",
-              {
-                  {{.name = "lower", .meaning = "lowest corner", .quantity = Q::length, .required = true},
-                   [](Scene& x) -> Target { return &x.domain.lower; }},
-                  {{.name = "upper", .meaning = "highest corner", .quantity = Q::length, .required = true},
-                   [](Scene& x) -> Target { return &x.domain.upper; }},
-                  {{.name = "thickness",
-                    .meaning = "2-D only: depth of the slice, to which loads on bodies refer",
-                    .quantity = Q::length,
-                    .range = positive},
-                   [](Scene& x) -> Target { return &x.thickness; }},
-              },
-              {}};
+  s.domain = {
+      "domain",
+      "The box that holds everything. Water that leaves it ends the run with status 3, except where it is periodic.",
+      {
+          {{.name = "lower", .meaning = "lowest corner", .quantity = Q::length, .required = true},
+           [](Scene& x) -> Target { return &x.domain.lower; }},
+          {{.name = "upper", .meaning = "highest corner", .quantity = Q::length, .required = true},
+           [](Scene& x) -> Target { return &x.domain.upper; }},
+          {{.name = "periodic",
+            .meaning = "directions in which water that leaves on one side enters on the other, and feels what is "
+                       "there: for the time being without bodies. The domain's length there is a whole number "
+                       "of particle distances; a tank is open there on both sides and as long as the domain; "
+                       "gravity along it drives the water and makes no pressure",
+            .choices = {"x", "y", "z"}},
+           [](Scene& x) -> Target { return &x.periodic; }},
+          {{.name = "thickness",
+            .meaning = "2-D only: depth of the slice, to which loads on bodies refer",
+            .quantity = Q::length,
+            .range = positive},
+           [](Scene& x) -> Target { return &x.thickness; }},
+      },
+      {}};
   s.fluid = {"fluid",
              "The liquid.",
              {

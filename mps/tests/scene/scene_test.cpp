@@ -381,6 +381,44 @@ TEST_F(SceneFile, WaterTablesAreReadStrictly) {
   EXPECT_HAS(error_with(spray, spray + "\nvelocity = [1, 0, 0]"), "water.spray.velocity: the table has velocities");
 }
 
+TEST_F(SceneFile, PeriodicDirectionsAreChecked) {
+  const auto flat = [&](const std::string& periodic, const std::string& more = "",
+                        const std::string& upper = "[1, 1]") {
+    return error(replaced(replaced(flat_, "upper = [1, 1]", "upper = " + upper + "\nperiodic = " + periodic), "[run]",
+                          more + "\n[run]"));
+  };
+  EXPECT_EQ(flat("[\"x\"]"), "");
+  EXPECT_EQ(flat("[\"x\", \"y\"]"), "");
+  EXPECT_HAS(flat("[\"x\", \"x\"]"), "scene.toml:6: domain.periodic: names a direction twice");
+  EXPECT_HAS(flat("[\"z\"]"), "domain.periodic: a 2-D scene has no direction z; allowed: x, y");
+  EXPECT_HAS(flat("[\"w\"]"), "domain.periodic: unknown value 'w'; allowed: x, y, z");
+  EXPECT_HAS(flat("[\"x\"]", "", "[1.004, 1]"),
+             "domain.periodic: the domain's length in x, 1.004 m, is no whole number of particle distances (0.01 m); "
+             "nearest: 1 m");
+  EXPECT_HAS(error(replaced(replaced(flat_, "upper = [1, 1]", "upper = [0.05, 1]\nperiodic = [\"x\"]"),
+                            "upper = [1, 0.5]", "upper = [0.05, 0.5]")),
+             "the domain's length in x, 0.05 m, is less than twice the support and skin; allowed: >= 0.068");
+  EXPECT_HAS(error_with("periodic = []", "periodic = [\"x\"]"),
+             "scene.toml:14: domain.periodic: bodies in a periodic domain are not possible yet");
+
+  const std::string tank = "[[wall]]\nname = \"tank\"\nkind = \"tank\"\n";
+  EXPECT_EQ(flat("[\"x\"]", tank + "lower = [0, 0]\nupper = [1, 1]\nopen = [\"x-\", \"x+\"]"), "");
+  EXPECT_HAS(flat("[\"x\"]", tank + "lower = [0, 0]\nupper = [1, 1]\nopen = [\"x-\"]"),
+             "wall.tank.open: the domain is periodic in x, so a tank must be open at x+");
+  EXPECT_HAS(flat("[\"x\"]", tank + "lower = [0, 0]\nupper = [0.9, 1]\nopen = [\"x-\", \"x+\"]"),
+             "wall.tank.upper: the domain is periodic in x, so a tank must reach from end to end, 0 m to 1 m");
+  const std::string box = "[[wall]]\nname = \"sill\"\n";
+  EXPECT_EQ(flat("[\"x\"]", box + "lower = [0.2, 0]\nupper = [0.3, 0.1]"), "");
+  EXPECT_HAS(flat("[\"x\"]", box + "lower = [0.2, 0]\nupper = [0.22, 0.1]"),
+             "wall.sill.upper: in x the wall is thinner than the support (0.031 m)");
+  const std::string front = "[[gauge]]\nname = \"surge\"\nkind = \"front\"\n";
+  EXPECT_EQ(flat("[\"x\"]", front + "direction = [0, 1]"), "");
+  EXPECT_HAS(flat("[\"x\"]", front + "direction = [1, 0]"), "gauge.surge.direction: the domain is periodic in x");
+  EXPECT_HAS(error(replaced(replaced(flat_, "upper = [1, 1]", "upper = [1, 1]\nperiodic = [\"x\", \"y\"]"), "[1, 0.5]",
+                            "[1, 0.5]\nlevel = 0.4")),
+             "water.pool.level: fluid.gravity acts only along periodic directions; leave it out");
+}
+
 // The schema as a whole.
 
 /// Calls f(path of a key in full.toml, key, target) for every key of the schema.
