@@ -26,22 +26,24 @@ std::vector<std::string> liggghts_arguments(const mps::Scene& scene, const fs::p
   return arguments;
 }
 
-void run(const mps::Options& options) {
+/// Returns the status of the program.
+int run(mps::Options options) {
   const mps::Scene scene = mps::read_scene(options.scene, options.overrides);
+  mps::check_restart(scene, options);
   if (!scene.coupled()) {
     throw coupling::InputError(scene.file.string() + ": the scene has no solids (coupling.script); run it with mps");
   }
-  const fs::path folder = fs::absolute(options.out);
+  const fs::path folder = options.out = fs::absolute(options.out);
   fs::create_directories(folder);
   fs::current_path(scene.coupling.script.parent_path());  // the script names its files from its own folder
 
   MPI_Comm fluid = MPI_COMM_NULL, solid = MPI_COMM_NULL;
   const coupling::Participants participants = coupling::share_world(fluid, solid);
-  mps::Json summary;
+  mps::Outcome outcome;
   liggghts::SolidReport report;
   coupling::Turnstile turnstile;
   const auto yield = [&] { turnstile.yield(); };
-  turnstile.run([&] { summary = mps::run_water(scene, folder, &participants, fluid, yield); },
+  turnstile.run([&] { outcome = mps::run_water(scene, options, &participants, fluid, yield); },
                 [&] { liggghts::run_liggghts(participants, solid, liggghts_arguments(scene, folder), report, yield); });
 
   int rank = 0, ranks = 1;
@@ -50,6 +52,7 @@ void run(const mps::Options& options) {
   double seconds[2] = {report.step_seconds, report.script_seconds};
   MPI_Allreduce(MPI_IN_PLACE, seconds, 2, MPI_DOUBLE, MPI_SUM, fluid);
   if (rank == 0) {
+    mps::Json& summary = outcome.summary;
     summary.set("layout", "shared").set("solid_ranks", ranks);
     mps::Json& part = summary.object("solid");
     part.set("step_seconds_mean_per_rank", seconds[0] / ranks).set("script_seconds_mean_per_rank", seconds[1] / ranks);
@@ -64,7 +67,9 @@ void run(const mps::Options& options) {
     link.set("waiting_share_of_wall_time",
              std::max(0.0, link.number("waiting_seconds_mean_per_rank") - (seconds[0] + seconds[1]) / ranks) / wall);
     mps::write_json(folder / "summary.json", summary);
+    fmt::print("{}", outcome.farewell);
   }
+  return rank == 0 ? outcome.status : 0;
 }
 
 }  // namespace
@@ -82,9 +87,9 @@ int main(int argc, char** argv) {
     if (provided < MPI_THREAD_SERIALIZED) {
       throw coupling::SystemError("this MPI does not let two threads take turns (MPI_THREAD_SERIALIZED)");
     }
-    run(options);
+    const int status = run(options);
     MPI_Finalize();
-    return 0;
+    return status;
   } catch (const std::exception& error) {
     mps::end_run("embacle-shared", error);
   }

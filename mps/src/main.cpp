@@ -9,21 +9,23 @@ namespace {
 
 using embacle::mps::Options;
 
-void run(const Options& options, int rank) {
+/// Returns the status of the program.
+int run(const Options& options, int rank) {
   namespace coupling = embacle::coupling;
   const embacle::mps::Scene scene = embacle::mps::read_scene(options.scene, options.overrides);
+  embacle::mps::check_restart(scene, options);
   int ranks = 1;
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   switch (options.task) {
     case Options::Task::check:
       if (rank == 0) fmt::print("{}", embacle::mps::check_report(scene, ranks));
-      return;
+      return 0;
     case Options::Task::explain:
       if (rank == 0) fmt::print("{}", embacle::mps::explain_report(scene));
-      return;
+      return 0;
     case Options::Task::launch:
       if (rank == 0) fmt::print("{}", embacle::mps::launch_report(scene));
-      return;
+      return 0;
     default:
       break;
   }
@@ -36,8 +38,9 @@ void run(const Options& options, int rank) {
                     "'mpirun -n F mps ... : -n S liggghts-mps -in {}'",
                     scene.file.string(), scene.coupling.script.filename().string(), scene.coupling.script.string()));
   }
-  embacle::mps::Json summary =
-      embacle::mps::run_water(scene, options.out, scene.coupled() ? &participants : nullptr, own);
+  embacle::mps::Outcome outcome =
+      embacle::mps::run_water(scene, options, scene.coupled() ? &participants : nullptr, own);
+  embacle::mps::Json& summary = outcome.summary;
   int own_rank = 0;
   MPI_Comm_rank(own, &own_rank);
   if (own_rank == 0) {
@@ -49,7 +52,9 @@ void run(const Options& options, int rank) {
     }
     summary.set("solid_ranks", static_cast<std::int64_t>(participants.solid_ranks.size()));
     embacle::mps::write_json(options.out / "summary.json", summary);
+    fmt::print("{}", outcome.farewell);
   }
+  return own_rank == 0 ? outcome.status : 0;
 }
 
 }  // namespace
@@ -66,9 +71,9 @@ int main(int argc, char** argv) {
     MPI_Init(&argc, &argv);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    run(options, rank);
+    const int status = run(options, rank);
     MPI_Finalize();
-    return 0;
+    return status;
   } catch (const std::exception& error) {
     embacle::mps::end_run("mps", error);
   }

@@ -4,17 +4,23 @@
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <sstream>
 #include <thread>
 
 #include "core/filling.hpp"
 #include "core/recorder.hpp"
+#include "core/run_control.hpp"
 #include "core/simulation.hpp"
+#include "output/checkpoint.hpp"
 #include "scene/reader.hpp"
+#include "scene/settings.hpp"
+#include "scene/units.hpp"
 
 namespace embacle::mps {
 
@@ -25,13 +31,44 @@ constexpr int windows_per_epoch = 50;
 /// Measured on a 2.4 GHz EPYC core: listed directed pairs per second, both sweeps; for the estimate of --check only.
 constexpr double pairs_per_second = 2.0e8;
 
-volatile std::sig_atomic_t asked_to_stop = 0;
-void ask_to_stop(int) { asked_to_stop = 1; }
+double seconds_of(const std::string& option, const std::string& text) {
+  try {
+    const Number number = evaluate(text, [](const std::string&) -> Number { throw ValueError("no parameters here"); });
+    const double seconds = number.dimension ? to_si(number, Quantity::time, text) : number.value;
+    if (seconds > 0) return seconds;
+  } catch (const ValueError&) {  // the message below says it all
+  }
+  throw coupling::InputError(fmt::format(
+      "{} needs a time greater than zero: seconds, or a number with unit such as 30min (units {}); not '{}'", option,
+      usual_units(Quantity::time), text));
+}
 
-bool any_rank_asked_to_stop(MPI_Comm comm) {
-  int asked = asked_to_stop != 0 ? 1 : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &asked, 1, MPI_INT, MPI_MAX, comm);
-  return asked != 0;
+/// A restart without a scene takes that of the checkpoint, with its overrides, where the command line has no other.
+void adopt_scene(Options& options) {
+  const CheckpointReader checkpoint(options.restart);
+  options.scene = checkpoint.text("scene");
+  std::vector<std::string> overrides;
+  std::istringstream lines(checkpoint.text("overrides"));
+  const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
+  for (std::string line; std::getline(lines, line);) {
+    if (std::none_of(options.overrides.begin(), options.overrides.end(),
+                     [&](const std::string& own) { return key_of(own) == key_of(line); }))
+      overrides.push_back(line);
+  }
+  options.overrides.insert(options.overrides.begin(), overrides.begin(), overrides.end());
+}
+
+void write_checkpoint(const Scene& scene, const Options& options, Simulation& simulation, const Recorder& recorder) {
+  const Phases::Timer timer(simulation.phases(), Phase::output);
+  simulation.confirm();
+  CheckpointContent content;
+  content.texts["settings"] = lasting_settings(scene);
+  content.texts["scene"] = scene.file.string();
+  content.texts["version"] = EMBACLE_VERSION;
+  for (const std::string& text : options.overrides) content.texts["overrides"] += text + "\n";
+  simulation.save(content);
+  recorder.save(content);
+  write_checkpoint(simulation.comm(), checkpoint_path(recorder.folder()), content);
 }
 
 coupling::FluidTerms terms_of(const Scene& scene, const Constants& c) {
@@ -52,13 +89,17 @@ coupling::FluidTerms terms_of(const Scene& scene, const Constants& c) {
 Options parse_options(int argc, char** argv, const std::string& program, const std::string& description) {
   Options options;
   CLI::App app{description, program};
-  std::string end_time;
+  std::string end_time, wall_limit;
   bool check = false, explain = false, launch = false, reference = false;
   app.set_version_flag("--version", program + " " EMBACLE_VERSION);
   app.add_option("scene", options.scene, "Scene: a .toml file, or a folder that holds scene.toml");
-  app.add_option("--out", options.out, "Output folder");
+  const CLI::Option* const out = app.add_option("--out", options.out, "Output folder");
   app.add_option("--set", options.overrides, "Override: key.path=value (repeatable)")->allow_extra_args(false);
   app.add_option("--end-time", end_time, "Simulated time at which to stop (overrides run.end_time)");
+  app.add_option("--restart", options.restart,
+                 "Continue from a checkpoint or from the results folder that holds it; without --out in that folder, "
+                 "without a scene with that of the checkpoint");
+  app.add_option("--wall-limit", wall_limit, "Wall-clock time after which to write a checkpoint and end with status 5");
   app.add_flag("--check", check, "Read, validate, build the particles, print counts, memory, time step; run nothing");
   app.add_flag("--explain", explain, "Which physics and modules the scene uses and leaves out");
   app.add_flag("--launch", launch, "Print what a launcher needs: the LIGGGHTS script and its variables");
@@ -74,6 +115,12 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
     throw coupling::InputError(fmt::format("{}; see '{} --help'", error.what(), program));
   }
   if (!end_time.empty()) options.overrides.push_back("run.end_time=" + end_time);
+  if (!wall_limit.empty()) options.wall_limit = seconds_of("--wall-limit", wall_limit);
+  if (!options.restart.empty()) {
+    if (out->count() == 0) options.out = CheckpointReader(options.restart).path().parent_path();
+    if (options.out.empty()) options.out = ".";
+    if (options.scene.empty()) adopt_scene(options);
+  }
   options.task = check       ? Options::Task::check
                  : explain   ? Options::Task::explain
                  : launch    ? Options::Task::launch
@@ -84,6 +131,18 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
         fmt::format("which scene? give a .toml file or a folder that holds scene.toml; see '{} --help'", program));
   }
   return options;
+}
+
+void check_restart(const Scene& scene, const Options& options) {
+  if (options.restart.empty()) return;
+  if (scene.coupled()) {
+    throw coupling::InputError(
+        fmt::format("--restart: {} has solids (coupling.script), whose state no checkpoint holds; only scenes of water "
+                    "alone can be continued",
+                    scene.file.string()));
+  }
+  const CheckpointReader checkpoint(options.restart);
+  compare_settings(scene, lasting_settings(scene), checkpoint.text("settings"), checkpoint.path().string());
 }
 
 std::string check_report(const Scene& scene, int ranks) {
@@ -158,44 +217,81 @@ std::string launch_report(const Scene& scene) {
   return report;
 }
 
-Json run_water(const Scene& scene, const std::filesystem::path& folder, const coupling::Participants* participants,
-               MPI_Comm own, coupling::YieldHook yield) {
+Outcome run_water(const Scene& scene, const Options& options, const coupling::Participants* participants, MPI_Comm own,
+                  coupling::YieldHook yield) {
+  const double program_began = MPI_Wtime();
   std::optional<coupling::FluidLink> link;
   if (participants != nullptr) link.emplace(*participants, own, terms_of(scene, constants_of(scene)), std::move(yield));
+  RunControl control(scene.output, options.wall_limit, program_began);
   // Neighbour lists and travelling particles take and give back megabytes every few steps; handing those to the system
   // and faulting them in again took a third of the run.
   mallopt(M_MMAP_THRESHOLD, 1 << 25);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_TOP_PAD, 1 << 26);
   const double began = MPI_Wtime();
-  Simulation simulation(scene, own, link ? &*link : nullptr);
-  Recorder recorder(scene, simulation, folder);
+  const bool restarted = !options.restart.empty();
+  std::unique_ptr<CheckpointReader> restart;
+  if (restarted) restart = std::make_unique<CheckpointReader>(options.restart);
+  Simulation simulation(scene, own, link ? &*link : nullptr, restart.get());
+  Recorder recorder(scene, simulation, options.out, restart.get());
+  restart.reset();
   int rank = 0;
   MPI_Comm_rank(own, &rank);
   if (rank == 0) {
     for (const std::string& warning : simulation.warnings()) fmt::print("warning: {}\n", warning);
+    if (restarted) fmt::print("continues from t = {:g} s\n", simulation.time());
   }
-  for (const int signal : {SIGTERM, SIGUSR1}) std::signal(signal, ask_to_stop);
 
-  bool first = true;
-  bool stopped = false;
+  bool started = restarted;
+  bool saved = false;  // the present state stands in a checkpoint
+  Request agreed = Request::none;
   for (;;) {
-    const double left = (scene.end_time - simulation.time()) / simulation.window_length();
-    stopped = any_rank_asked_to_stop(own);
+    const double left = std::ceil((scene.end_time - simulation.time()) / simulation.window_length() - 1e-6);
+    if (!ends_the_run(agreed)) agreed = control.agree(own);
+    // Epochs begin at the same steps whether the run was restarted in between or not.
+    const int into = link ? 0 : static_cast<int>(simulation.counters().steps % windows_per_epoch);
     const int wanted =
-        stopped ? 0 : static_cast<int>(std::clamp(std::ceil(left - 1e-6), 0.0, double{windows_per_epoch}));
-    const int windows = simulation.begin_epoch(wanted);
-    if (first && windows > 0) recorder.record(false);
-    first = false;
+        ends_the_run(agreed) ? 0 : static_cast<int>(std::clamp(left, 0.0, double{windows_per_epoch} - into));
+    const int windows = into > 0 && wanted > 0 ? wanted : simulation.begin_epoch(wanted);
     if (windows == 0) break;
-    for (int w = 0; w < windows; ++w) {
+    if (!started) recorder.record(false);
+    started = true;
+    for (int w = 0; w < windows && (link || !ends_the_run(agreed)); ++w) {
+      simulation.request(static_cast<int>(control.wish()));
       simulation.window();
-      recorder.record(wanted < windows_per_epoch && windows == wanted && w + 1 == windows);
+      recorder.record(w + 1 == left);
+      agreed = std::max(agreed, static_cast<Request>(simulation.agreed_request()));
+      saved = false;
+      if (!link && !ends_the_run(agreed) &&
+          control.checkpoint_due(simulation.time(), simulation.window_length(), agreed)) {
+        write_checkpoint(scene, options, simulation, recorder);
+        control.checkpoint_written();
+        saved = true;
+        agreed = Request::none;
+      }
     }
   }
-  Json summary = recorder.summary(link ? &*link : nullptr, MPI_Wtime() - began);
-  if (stopped) summary.set("stopped_by_signal", true);
-  return summary;
+  const bool wants_checkpoints = scene.output.checkpoint_every > 0 || scene.output.checkpoint_wall > 0;
+  const bool moved = simulation.counters().steps > simulation.earlier_steps();
+  if (!link && moved && !saved && (ends_the_run(agreed) || wants_checkpoints)) {
+    write_checkpoint(scene, options, simulation, recorder);
+  }
+  if (ends_the_run(agreed) && started) recorder.measure_end();
+
+  Outcome outcome;
+  outcome.summary = recorder.summary(link ? &*link : nullptr, MPI_Wtime() - began);
+  outcome.summary.set("ended_by", name_of(agreed));
+  outcome.status = status_of(agreed);
+  if (ends_the_run(agreed)) {
+    outcome.farewell =
+        fmt::format("ended by {} at t = {:g} s of {:g} s; {}\n", name_of(agreed), simulation.time(), scene.end_time,
+                    link    ? "a scene with solids cannot be continued"
+                    : moved ? "continue with --restart " + recorder.folder().string()
+                            : "nothing was done since the start");
+  } else if (restarted && !moved) {
+    outcome.farewell = fmt::format("the run was at its end already; --end-time makes it longer\n");
+  }
+  return outcome;
 }
 
 void end_run(const std::string& program, const std::exception& error) {

@@ -20,11 +20,22 @@ struct Options {
   std::filesystem::path scene;
   std::filesystem::path out = "run";
   std::vector<std::string> overrides;
-  double end_time = 0;  ///< 0: the scene's
+  std::filesystem::path restart;  ///< the checkpoint to continue from, or its folder; empty: from the start
+  double wall_limit = 0;          ///< [s]; 0: none
+};
+
+/// How a run ended, on rank 0 of the water.
+struct Outcome {
+  Json summary;          ///< for the caller to complete and write
+  int status = 0;        ///< of the program
+  std::string farewell;  ///< for the terminal, after the summary is written; may be empty
 };
 
 /// Parses the command line of `program`. Task::leave: help or version was printed. Throws InputError.
 [[nodiscard]] Options parse_options(int argc, char** argv, const std::string& program, const std::string& description);
+
+/// Throws InputError if the scene is not the one of the checkpoint that it is to continue from.
+void check_restart(const Scene& scene, const Options& options);
 
 /// Counts, memory, time step and estimated run time of a scene (`--check`).
 [[nodiscard]] std::string check_report(const Scene& scene, int ranks);
@@ -33,10 +44,10 @@ struct Options {
 /// What a launcher needs: lines `script=PATH`, `var=NAME VALUE` (`--launch`).
 [[nodiscard]] std::string launch_report(const Scene& scene);
 
-/// Runs the water of a scene to its end; `participants` is null for a scene without bodies. Collective over `own`.
-/// Returns the summary for the caller to complete and write (rank 0 of `own`).
-[[nodiscard]] Json run_water(const Scene& scene, const std::filesystem::path& folder,
-                             const coupling::Participants* participants, MPI_Comm own, coupling::YieldHook yield = {});
+/// Runs the water of a scene to its end, or until a signal or the wall-clock limit; `participants` is null for a scene
+/// without bodies. Collective over `own`.
+[[nodiscard]] Outcome run_water(const Scene& scene, const Options& options, const coupling::Participants* participants,
+                                MPI_Comm own, coupling::YieldHook yield = {});
 
 /// Prints one message for the user and ends all ranks of the run with the error's status. Does not return.
 [[noreturn]] void end_run(const std::string& program, const std::exception& error);

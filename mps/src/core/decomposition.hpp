@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <utility>
 #include <vector>
 
 #include "core/periodic.hpp"
@@ -26,6 +27,9 @@ class Decomposition {
   /// Collective. `positions`: 3 per point [m]; `weights`: one per point. Afterwards every rank knows every box;
   /// together they tile space (outer faces at +-infinity, or at the ends of the domain where it is periodic).
   void partition(int dimension, const std::vector<double>& positions, const std::vector<float>& weights);
+
+  /// Takes boxes over that an earlier partition into as many has made.
+  void adopt(std::vector<Box> boxes) { boxes_ = std::move(boxes); }
 
   [[nodiscard]] const std::vector<Box>& boxes() const { return boxes_; }
   [[nodiscard]] const Box& own() const { return boxes_[rank_]; }

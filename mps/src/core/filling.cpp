@@ -158,17 +158,21 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
       }
     }
   }
+  result.walls = wall_points_of(walls, rank, size);
+  return result;
+}
+
+std::vector<Traveller> wall_points_of(const Walls& walls, int rank, int size) {
+  std::vector<Traveller> result;
   std::int64_t id = 0;
   for (int w = 0; w < walls.count(); ++w) {
     for (const Walls::Point& point : walls.points(w)) {
-      if (!share.next_row_is_mine()) {
-        ++id;
-        continue;
-      }
+      const std::int64_t mine = id++;
+      if (mine % size != rank) continue;
       Traveller traveller;
       std::copy(point.x.begin(), point.x.end(), traveller.record.x);
-      traveller.identity = {id++, w, point.side};
-      result.walls.push_back(traveller);
+      traveller.identity = {mine, w, point.side};
+      result.push_back(traveller);
     }
   }
   return result;

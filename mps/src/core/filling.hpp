@@ -22,5 +22,7 @@ struct InitialParticles {
 /// Rank `rank` of `size` generates its share only. Throws InputError for pressures beyond the equation of state.
 [[nodiscard]] InitialParticles fill(const Scene& scene, const Constants& constants, const Walls& walls, int rank,
                                     int size);
+/// A rank's share of the walls' points, at time zero.
+[[nodiscard]] std::vector<Traveller> wall_points_of(const Walls& walls, int rank, int size);
 
 }  // namespace embacle::mps

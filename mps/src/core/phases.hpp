@@ -40,6 +40,8 @@ class Phases {
     Phase phase_;
     double start_;
   };
+  /// Adds time that was spent before this run.
+  void add(std::size_t phase, double seconds) { seconds_[phase] += seconds; }
   [[nodiscard]] double seconds(Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }
   [[nodiscard]] const auto& all() const { return seconds_; }
 

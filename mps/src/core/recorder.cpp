@@ -31,7 +31,8 @@ Json::Array array_of(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder)
+Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder,
+                   const CheckpointReader* restart)
     : scene_(scene), simulation_(simulation), folder_(std::move(folder)), began_(MPI_Wtime()) {
   MPI_Comm_rank(simulation.comm(), &rank_);
   const double end = scene.end_time;
@@ -39,27 +40,40 @@ Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::
   bodies_clock_.every = or_else(scene.output.bodies_every, end / 1500);
   gauges_clock_.every = or_else(scene.output.gauges_every, end / 1000);
   energies_clock_.every = or_else(scene.output.energies_every, end / 100);
-  if (scene.output.fields) fields_ = std::make_unique<FieldWriter>(simulation.comm(), folder_);
+  if (restart != nullptr) {
+    restore(*restart);
+  } else {
+    open_files(std::nullopt, {});
+  }
+}
+
+void Recorder::open_files(std::optional<double> keep_until, std::vector<FrameRecord> earlier_frames) {
+  const Simulation& simulation = simulation_;
+  if (scene_.output.fields) {
+    fields_ = std::make_unique<FieldWriter>(simulation.comm(), folder_, std::move(earlier_frames));
+  }
   if (rank_ == 0) {
     energies_ = std::make_unique<CsvWriter>(
         folder_ / "energies.csv",
         std::vector<std::string>{"t [s]", "kinetic [J]", "potential [J]", "elastic [J]", "total [J]", "mass [kg]",
                                  "px [N s]", "py [N s]", "pz [N s]", "volume ratio [-]", "outside tank [-]",
-                                 "inside bodies [-]", "deepest in body [m]", "farthest outside tank [m]"});
+                                 "inside bodies [-]", "deepest in body [m]", "farthest outside tank [m]"},
+        keep_until);
     if (simulation.bodies() != nullptr) {
       bodies_ = std::make_unique<CsvWriter>(
           folder_ / "bodies.csv",
           std::vector<std::string>{"t [s]",      "tag [-]",    "x [m]",      "y [m]",    "z [m]",    "qw [-]",
                                    "qx [-]",     "qy [-]",     "qz [-]",     "vx [m/s]", "vy [m/s]", "vz [m/s]",
                                    "wx [rad/s]", "wy [rad/s]", "wz [rad/s]", "fx [N]",   "fy [N]",   "fz [N]",
-                                   "tx [N m]",   "ty [N m]",   "tz [N m]"});
+                                   "tx [N m]",   "ty [N m]",   "tz [N m]"},
+          keep_until);
     }
-    for (const Gauge& gauge : scene.gauges) {
+    for (const Gauge& gauge : scene_.gauges) {
       const char* column = gauge.kind == GaugeKind::pressure ? "pressure [Pa]"
                            : gauge.kind == GaugeKind::level  ? "level [m]"
                                                              : "front [m]";
       gauges_.push_back(std::make_unique<CsvWriter>(folder_ / "gauges" / (gauge.name + ".csv"),
-                                                    std::vector<std::string>{"t [s]", column}));
+                                                    std::vector<std::string>{"t [s]", column}, keep_until));
     }
   }
 }
@@ -229,15 +243,15 @@ void Recorder::show_progress(bool last) {
   const double time = simulation_.time();
   const double share = std::min(1.0, time / scene_.end_time);
   const double spent = now - began_;
-  const double left = share > 0.005 ? spent * (1 - share) / share : NAN;
-  const std::string line = fmt::format(
-      "{:5.1f} %  t = {:.4f} s of {:g} s  {} steps  {:.2f} M particle updates/s  {}", 100 * share, time,
-      scene_.end_time, simulation_.counters().steps,
-      spent > 0 ? 1e-6 * static_cast<double>(now_.particles) * static_cast<double>(simulation_.counters().steps) / spent
-                : 0.0,
-      last                  ? fmt::format("{:.0f} s in all", spent)
-      : std::isfinite(left) ? fmt::format("{:.0f} s left", left)
-                            : std::string());
+  const double steps = static_cast<double>(simulation_.counters().steps - simulation_.earlier_steps());
+  const double done = time - began_at_;
+  const double left = done > 0.005 * scene_.end_time ? spent * (scene_.end_time - time) / done : NAN;
+  const std::string line = fmt::format("{:5.1f} %  t = {:.4f} s of {:g} s  {} steps  {:.2f} M particle updates/s  {}",
+                                       100 * share, time, scene_.end_time, simulation_.counters().steps,
+                                       spent > 0 ? 1e-6 * static_cast<double>(now_.particles) * steps / spent : 0.0,
+                                       last                  ? fmt::format("{:.0f} s in all", spent)
+                                       : std::isfinite(left) ? fmt::format("{:.0f} s left", left)
+                                                             : std::string());
   fmt::print("{}{}{}", terminal ? "\r" : "", line, terminal && !last ? "\033[K" : "\n");
   std::fflush(stdout);
 }
@@ -263,11 +277,15 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   MPI_Allreduce(MPI_IN_PLACE, seconds.data(), static_cast<int>(seconds.size()), MPI_DOUBLE, MPI_SUM,
                 simulation_.comm());
 
+  wall_seconds += earlier_seconds_;
+  const double own_steps =  // the halo's counters are not kept over a restart
+      static_cast<double>(std::max<std::int64_t>(1, counters.steps - simulation_.earlier_steps()));
   Json json;
   json.set("title", scene_.title).set("scene", scene_.file.filename().string()).set("version", EMBACLE_VERSION);
   json.set("fluid_ranks", size);
   json.set("dimension", c.dimension);
   json.set("simulated_seconds", simulation_.time()).set("wall_seconds", wall_seconds);
+  if (!restart_times_.empty()) json.set("restarted_at", restart_times_);
   json.set("steps", counters.steps).set("time_step", c.step);
   json.set("particle_distance", c.particle_distance).set("support", c.support).set("sound_speed", c.sound_speed);
   json.set("water_particles", now_.particles).set("particles", totals[6]);
@@ -281,10 +299,8 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   Json& phases = json.object("phase_seconds_mean_per_rank");
   for (std::size_t k = 0; k < seconds.size(); ++k) phases.set(phase_names[k], seconds[k] / size);
   Json& halo = json.object("halo");
-  halo.set("bytes_per_rank_and_step",
-           static_cast<double>(totals[4]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
-  halo.set("messages_per_rank_and_step",
-           static_cast<double>(totals[5]) / size / static_cast<double>(std::max<std::int64_t>(1, counters.steps)));
+  halo.set("bytes_per_rank_and_step", static_cast<double>(totals[4]) / size / own_steps);
+  halo.set("messages_per_rank_and_step", static_cast<double>(totals[5]) / size / own_steps);
   Json& energy = json.object("energy");
   energy.set("start_total", start_.energy.total()).set("end_total", now_.energy.total());
   energy.set("kinetic", now_.energy.kinetic)

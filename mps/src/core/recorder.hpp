@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/diagnostics.hpp"
@@ -14,11 +15,16 @@ namespace embacle::mps {
 
 class Recorder {
  public:
-  /// Creates the output folder. Collective.
-  Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder);
+  /// Creates the output folder. `restart`: if it stands in this folder, the files there are continued. Collective.
+  Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder,
+           const CheckpointReader* restart = nullptr);
 
   /// Writes what is due at the present time. Collective.
   void record(bool last);
+  /// Takes the measures of the present for the summary of a run that ends before its time. Collective.
+  void measure_end();
+  /// Adds what a restart needs to continue files and summary.
+  void save(CheckpointContent& content) const;
   /// Everything about the run except what the caller adds; valid on every rank. Collective.
   [[nodiscard]] Json summary(const coupling::FluidLink* link, double wall_seconds);
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
@@ -30,10 +36,15 @@ class Recorder {
     std::int64_t next = 0;
     bool due(double time, double tolerance) {
       if (every > 0 && time + tolerance < static_cast<double>(next) * every) return false;
-      next = every > 0 ? static_cast<std::int64_t>((time + tolerance) / every) + 1 : next + 1;
+      skip(time, tolerance);
       return true;
     }
+    void skip(double time, double tolerance) {
+      next = every > 0 ? static_cast<std::int64_t>((time + tolerance) / every) + 1 : next + 1;
+    }
   };
+  void open_files(std::optional<double> keep_until, std::vector<FrameRecord> earlier_frames);
+  void restore(const CheckpointReader& checkpoint);
   void write_fields();
   void write_bodies();
   void write_gauges();
@@ -56,6 +67,9 @@ class Recorder {
   double deepest_ = 0;
   double farthest_outside_ = 0;
   double began_, last_shown_ = -1e300;
+  double began_at_ = 0;                ///< simulated time with which this run began
+  double earlier_seconds_ = 0;         ///< of wall time, before the restart
+  std::vector<double> restart_times_;  ///< simulated times of all restarts
 };
 
 }  // namespace embacle::mps

@@ -22,7 +22,7 @@ void Simulation::step(double share_of_window) {
     halo_.update_motion(particles_);
   }
   synchronise();
-  if (!lists_valid_) find_neighbours();
+  if (!lists_valid_) find_neighbours(time_ + constants_.step);
   {
     const Timer timer(phases_, Phase::continuity);
     advance_density(particles_, neighbours_, constants_, density_rate_);
@@ -93,22 +93,36 @@ void Simulation::synchronise() {
     stale = displacements_.lists_hold(particles_) ? 0 : 1;
   }
   const Timer timer(phases_, Phase::synchronisation);
-  // Agreed by one reduction: whether any lists are stale, and the lowest rank that has found a failure.
-  int size = 1;
-  MPI_Comm_size(comm_, &size);
-  double local[2] = {stale, failure_.empty() ? 0.0 : static_cast<double>(size - rank_)};
-  double global[2];
-  MPI_Allreduce(local, global, 2, MPI_DOUBLE, MPI_MAX, comm_);
-  if (global[1] > 0) {
-    if (static_cast<int>(global[1]) == size - rank_) throw coupling::InstabilityError(failure_);
-    MPI_Barrier(comm_);  // the rank that speaks ends the run
-  }
+  // Agreed by one reduction: whether any lists are stale, the lowest rank that has found a failure, the largest
+  // request.
+  const double local[3] = {stale, failure_rank(), static_cast<double>(requested_)};
+  double global[3];
+  MPI_Allreduce(local, global, 3, MPI_DOUBLE, MPI_MAX, comm_);
+  if (global[1] > 0) report_failure(global[1]);
+  agreed_request_ = static_cast<int>(global[2]);
   if (global[0] > 0) lists_valid_ = false;
 }
 
-void Simulation::find_neighbours() {
+/// Zero without a failure; otherwise the larger, the lower the rank.
+double Simulation::failure_rank() const {
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  return failure_.empty() ? 0.0 : static_cast<double>(size - rank_);
+}
+
+void Simulation::report_failure(double largest) const {
+  if (largest == failure_rank()) throw coupling::InstabilityError(failure_);
+  MPI_Barrier(comm_);  // the rank that speaks ends the run
+}
+
+void Simulation::confirm() const {
+  double largest = failure_rank();
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  if (largest > 0) report_failure(largest);
+}
+
+void Simulation::find_neighbours(double time) {
   const double reach = Displacements::reach(constants_.support, constants_.skin);
-  const double now = time_ + (started_ ? constants_.step : 0.0);  // of the positions
   std::vector<Traveller> solid;
   {
     const Timer timer(phases_, Phase::search);
@@ -119,10 +133,12 @@ void Simulation::find_neighbours() {
     auto water = own_water();
     wrap(water);
     halo_.migrate(decomposition_, reach, anywhere_, water);
-    place_wall_points(now);
+    place_wall_points(time);
     if (anywhere_ || walls_.any_moves()) {
       wrap(wall_points_);
       halo_.migrate(decomposition_, reach, anywhere_, wall_points_);
+      std::sort(wall_points_.begin(), wall_points_.end(),  // the same order whatever way they came
+                [](const Traveller& a, const Traveller& b) { return a.identity.id < b.identity.id; });
     }
     anywhere_ = false;
     const auto order = neighbours_.cell_order(water);
@@ -138,7 +154,7 @@ void Simulation::find_neighbours() {
   {
     const Timer timer(phases_, Phase::search);
     neighbours_.survey(particles_, ghost_water);
-    solid = wall_points_near_water(now);
+    solid = wall_points_near_water(time);
     if (bodies_) bodies_->collect_points(decomposition_.own(), solid);
   }
   {
@@ -149,10 +165,15 @@ void Simulation::find_neighbours() {
   }
   const Timer timer(phases_, Phase::search);
   if (bodies_) bodies_->resolve_owners(particles_);
-  neighbours_.build(particles_, walls_, walls_.thin_walls(now));
+  neighbours_.build(particles_, walls_, walls_.thin_walls(time));
   displacements_.remember(particles_);
   lists_valid_ = true;
   ++counters_.builds;
+}
+
+void Simulation::adopt_walls(std::vector<Traveller> points) {
+  wall_points_ = std::move(points);
+  for (Traveller& point : wall_points_) std::copy_n(point.record.x, 3, point.record.v);
 }
 
 /// Moves the stored wall points to where they are at `time`.
@@ -256,7 +277,7 @@ void Simulation::integrate_velocities() {
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link)
+Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link, const CheckpointReader* restart)
     : scene_(scene),
       comm_(comm),
       link_(link),
@@ -269,13 +290,16 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       displacements_(constants_.support, constants_.skin),
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
   MPI_Comm_rank(comm, &rank_);
+  if (restart != nullptr) {
+    restore(*restart);
+    return;
+  }
   int size = 1;
   MPI_Comm_size(comm, &size);
   InitialParticles initial = fill(scene, constants_, walls_, rank_, size);
   warnings_ = std::move(initial.warnings);
   particles_.assign(initial.water);
-  wall_points_ = std::move(initial.walls);
-  for (Traveller& point : wall_points_) std::copy_n(point.record.x, 3, point.record.v);
+  adopt_walls(std::move(initial.walls));
   if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
   decompose();
 }
@@ -283,6 +307,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
 int Simulation::begin_epoch(int wanted_windows) {
   int windows = wanted_windows;
   if (wanted_windows > 0 && started_) {
+    if (!lists_valid_) find_neighbours(time_);  // after a checkpoint or a restart
     // Work of a rank: what its sweeps go through.
     const double work = static_cast<double>(neighbours_.pairs() + 8 * particles_.own());
     double sum = 0, largest = 0;
@@ -304,10 +329,10 @@ int Simulation::begin_epoch(int wanted_windows) {
     }
   }
   if (!started_ && windows > 0) {
-    find_neighbours();
+    find_neighbours(time_);
     if (bodies_) {
       remove_water_in_bodies();
-      find_neighbours();
+      find_neighbours(time_);
       if (scene_.coupling.scheme == Scheme::parallel) {  // the solids start from the load at rest
         evaluate_forces(time_);
         link_->send_loads(load_);

@@ -17,6 +17,7 @@
 #include "core/phases.hpp"
 #include "core/walls.hpp"
 #include "embacle/coupling/link.hpp"
+#include "output/checkpoint.hpp"
 
 namespace embacle::mps {
 
@@ -46,14 +47,24 @@ struct Audit {
 
 class Simulation {
  public:
-  /// `link`: null for a scene without bodies. Collective.
-  Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link);
+  /// `link`: null for a scene without bodies. `restart`: continue from there (only without bodies). Collective.
+  Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link, const CheckpointReader* restart = nullptr);
 
   /// Starts an epoch: a new decomposition if the work has become uneven, and with solids a new plan of the coupling.
   /// Returns the number of windows to run; `wanted` is 0 to finish. Collective.
   int begin_epoch(int wanted_windows);
   /// One window: the scene's steps per window, then the exchange with the solids.
   void window();
+
+  /// What this rank would like the run to do next (any numbers; 0: go on): the largest of all ranks' is agreed in every
+  /// step, at no cost of its own.
+  void request(int value) { requested_ = value; }
+  [[nodiscard]] int agreed_request() const { return agreed_request_; }
+  /// Throws InstabilityError if any rank has found a failure in its last step. Collective.
+  void confirm() const;
+  /// Adds all that a restart needs, also of the decomposition and the lists: a run continued on as many ranks does bit
+  /// for bit what this one does. Valid until the next window; only without bodies, after a window. Collective.
+  void save(CheckpointContent& content);
 
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] double window_length() const { return constants_.step * steps_per_window_; }
@@ -65,6 +76,8 @@ class Simulation {
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const Extremes& extremes() const { return extremes_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  /// Steps before the restart with which this run began.
+  [[nodiscard]] std::int64_t earlier_steps() const { return earlier_steps_; }
   [[nodiscard]] const Audit& worst_audit() const { return worst_audit_; }
   [[nodiscard]] const Halo& halo() const { return halo_; }
   [[nodiscard]] Phases& phases() { return phases_; }
@@ -77,15 +90,19 @@ class Simulation {
  private:
   void step(double share_of_window);
   void move(double step);
-  void synchronise();  ///< agrees on stale lists and on failures
-  void find_neighbours();
+  void synchronise();                 ///< agrees on stale lists, on failures and on requests
+  void find_neighbours(double time);  ///< `time` is that of the positions
   void evaluate_forces(double time);  ///< `time` is that of the positions
   void integrate_velocities();
   void decompose();
+  void restore(const CheckpointReader& checkpoint);
+  [[nodiscard]] double failure_rank() const;
+  void report_failure(double largest) const;
   void remove_water_in_bodies();
   void check_window();
   void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
+  void adopt_walls(std::vector<Traveller> points);
   void place_wall_points(double time);
   [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time) const;
 
@@ -118,6 +135,8 @@ class Simulation {
   double imbalance_ = 1;
   std::int64_t removed_at_start_ = 0;
   bool started_ = false;
+  std::int64_t earlier_steps_ = 0;
+  int requested_ = 0, agreed_request_ = 0;
   std::string failure_;  ///< set by the rank that finds the simulation broken
   Triple window_momentum_change_{}, window_reaction_{};
   std::vector<std::string> warnings_;

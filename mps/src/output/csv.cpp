@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -34,7 +35,8 @@ std::string quoted_if_needed(const std::string& name) {
 
 }  // namespace
 
-CsvWriter::CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns)
+CsvWriter::CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns,
+                     std::optional<double> keep_until)
     : path_(std::move(path)), columns_(columns.size()) {
   report_file_size_limit_as_error();
   if (path_.has_parent_path()) {
@@ -42,16 +44,39 @@ CsvWriter::CsvWriter(std::filesystem::path path, const std::vector<std::string>&
     std::filesystem::create_directories(path_.parent_path(), code);
     if (code) throw coupling::SystemError(cannot_write(path_, code.value()));
   }
-  errno = 0;
-  stream_.open(path_, std::ios::trunc | std::ios::binary);
-  if (!stream_) throw coupling::SystemError(cannot_write(path_, errno));
   std::string line;
   for (const auto& column : columns) {
     if (!line.empty()) line += ',';
     line += quoted_if_needed(column);
   }
-  stream_ << line << '\n';
+  line += '\n';
+  std::error_code ignored;
+  const bool continued = keep_until && std::filesystem::file_size(path_, ignored) > 0 && !ignored;
+  if (continued) drop_rows_after(*keep_until, line);
+  errno = 0;
+  stream_.open(path_, (continued ? std::ios::app : std::ios::trunc) | std::ios::binary);
+  if (!stream_) throw coupling::SystemError(cannot_write(path_, errno));
+  if (!continued) stream_ << line;
   flush();
+}
+
+/// Cuts the file behind its last row of interest: the first values rise, and a row without its end is none.
+void CsvWriter::drop_rows_after(double last, const std::string& header) const {
+  std::ifstream file(path_, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!text.starts_with(header)) {
+    throw coupling::InputError(path_.string() +
+                               ": cannot be continued, its columns are not those of this run; choose another folder");
+  }
+  std::size_t kept = header.size();
+  for (std::size_t end = 0; (end = text.find('\n', kept)) != std::string::npos; kept = end + 1) {
+    double first = 0;
+    const auto [next, error] = std::from_chars(text.data() + kept, text.data() + end, first);
+    if (error != std::errc{} || first > last) break;
+  }
+  std::error_code code;
+  std::filesystem::resize_file(path_, kept, code);
+  if (code) throw coupling::SystemError(cannot_write(path_, code.value()));
 }
 
 void CsvWriter::row(std::span<const double> values) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,11 +14,16 @@ namespace embacle::mps {
 /// path.
 class CsvWriter {
  public:
-  CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns);
+  /// `keep_until`: a file that is there is continued; of its rows, those stay whose first value is at most this. One
+  /// with other columns throws coupling::InputError.
+  CsvWriter(std::filesystem::path path, const std::vector<std::string>& columns,
+            std::optional<double> keep_until = std::nullopt);
   void row(std::span<const double> values);
   void flush();
 
  private:
+  void drop_rows_after(double last, const std::string& header) const;
+
   std::filesystem::path path_;
   std::ofstream stream_;
   std::size_t columns_;

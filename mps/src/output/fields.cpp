@@ -83,13 +83,6 @@ void write_slabs(const fs::path& path, const Datasets& datasets, const std::arra
   if (code != 0) throw coupling::SystemError(cannot_write(path, code));
 }
 
-/// What the indices need to know of a frame already written.
-struct FrameRecord {
-  double time = 0;
-  std::int64_t step = 0;
-  std::int64_t particles = 0;
-};
-
 std::string frame_number(std::size_t index) { return fmt::format("{:06}", index); }
 
 /// fields.h5: all frames as external links, with their times and steps.
@@ -143,6 +136,11 @@ void write_xdmf(const fs::path& path, const std::vector<FrameRecord>& frames) {
   write_whole_file(path, text);
 }
 
+void write_indices(const fs::path& folder, const std::vector<FrameRecord>& frames) {
+  write_master(folder / "fields.h5", frames);
+  write_xdmf(folder / "fields.xdmf", frames);
+}
+
 /// The numbers first, first + 1, ... of this rank's particles within the frame, as Integer.
 template <typename Integer>
 std::vector<Integer> numbered(std::int64_t first, std::size_t count) {
@@ -160,11 +158,13 @@ struct FieldWriter::Impl {
   std::vector<FrameRecord> frames;
 };
 
-FieldWriter::FieldWriter(MPI_Comm comm, fs::path folder) : impl_(std::make_unique<Impl>()) {
+FieldWriter::FieldWriter(MPI_Comm comm, fs::path folder, std::vector<FrameRecord> earlier)
+    : impl_(std::make_unique<Impl>()) {
   report_file_size_limit_as_error();
   impl_->comm = comm;
   MPI_Comm_rank(comm, &impl_->rank);
   impl_->folder = std::move(folder);
+  impl_->frames = std::move(earlier);
   in_agreement(comm, impl_->rank == 0, [&] {
     std::error_code code;
     fs::create_directories(impl_->folder / "fields", code);
@@ -173,12 +173,18 @@ FieldWriter::FieldWriter(MPI_Comm comm, fs::path folder) : impl_(std::make_uniqu
       fs::remove(impl_->folder / index, code);
       if (code) throw coupling::SystemError(cannot_write(impl_->folder / index, code.value()));
     }
+    if (impl_->frames.empty()) return;
+    std::size_t later = impl_->frames.size();
+    while (fs::remove(impl_->folder / "fields" / (frame_number(later) + ".h5"), code)) ++later;
+    write_indices(impl_->folder, impl_->frames);
   });
 }
 
 FieldWriter::~FieldWriter() = default;
 
 int FieldWriter::frames() const { return static_cast<int>(impl_->frames.size()); }
+
+const std::vector<FrameRecord>& FieldWriter::records() const { return impl_->frames; }
 
 void FieldWriter::write(const FieldFrame& frame) {
   const std::size_t count = frame.pressure.size();
@@ -211,8 +217,7 @@ void FieldWriter::write(const FieldFrame& frame) {
     in_agreement(comm, local > 0, [&] { write_slabs(part, datasets, starts, first); });
     in_agreement(comm, impl_->rank == 0, [&] {
       move_into_place(path);
-      write_master(impl_->folder / "fields.h5", records);
-      write_xdmf(impl_->folder / "fields.xdmf", records);
+      write_indices(impl_->folder, records);
     });
   } catch (const coupling::SystemError&) {
     if (impl_->rank == 0) {  // give the space back: the frames before stay readable

@@ -123,6 +123,8 @@ struct Output {
   double energies_every = 0;  ///< [s]; 0: a hundredth of the run
   bool fields = true;
   bool audit = false;            ///< check conservation every window (costs a reduction a window)
+  double checkpoint_every = 0;   ///< simulated time [s]; 0: none
+  double checkpoint_wall = 0;    ///< wall-clock time [s]; 0: none
   std::vector<double> pictures;  ///< times [s] of PNG snapshots
 };
 

@@ -23,6 +23,7 @@ enum class ExitStatus : int {
   input = 2,     ///< the user's input is wrong
   unstable = 3,  ///< the simulation broke: says step, place and quantity
   system = 4,    ///< the machine failed: disk full, file not writable, another program of the run is gone
+  early = 5,     ///< ended before its time as it was told, by the wall-clock limit or SIGUSR1
 };
 
 /// An error with the status the program must end with. The message is complete and addressed to the user.

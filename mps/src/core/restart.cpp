@@ -1,0 +1,215 @@
+// What a checkpoint holds of the simulation and of the recorder, and how they continue from one.
+#include <algorithm>
+#include <sstream>
+
+#include "core/filling.hpp"
+#include "core/recorder.hpp"
+#include "core/simulation.hpp"
+
+namespace embacle::mps {
+
+namespace {
+
+constexpr std::size_t record_width = sizeof(Record) / sizeof(double);
+static_assert(record_width == 8,
+              "a particle's record has changed: is `record_columns` right, and does a checkpoint of "
+              "an older version still say what it said? (format_version in checkpoint.cpp)");
+constexpr const char* record_columns = "x y z [m], vx vy vz [m/s], p [Pa], rho/rho0 [-]";
+
+/// The own water as tables `water_state` and `water_identity`.
+void add_water(CheckpointContent& content, const Particles& particles) {
+  std::vector<double> state;
+  std::vector<std::int64_t> identity;
+  state.reserve(record_width * particles.water);
+  for (std::size_t i = 0; i < particles.water; ++i) {
+    const double* record = particles.record[i].x;  // the first of the record's doubles
+    state.insert(state.end(), record, record + record_width);
+    identity.push_back(particles.identity[i].id);
+  }
+  content.tables.push_back({"water_state", record_columns, record_width, std::move(state)});
+  content.tables.push_back({"water_identity", "id", 1, std::move(identity)});
+}
+
+std::vector<Traveller> read_water(const CheckpointReader& checkpoint, std::int64_t first, std::int64_t count) {
+  std::vector<double> state(record_width * count);
+  std::vector<std::int64_t> identity(count);
+  checkpoint.read("water_state", first, count, state);
+  checkpoint.read("water_identity", first, count, identity);
+  std::vector<Traveller> result(count);
+  for (std::int64_t i = 0; i < count; ++i) {
+    std::copy_n(&state[record_width * i], record_width, result[i].record.x);
+    result[i].identity.id = identity[i];
+  }
+  return result;
+}
+
+std::vector<double> gathered(double value, MPI_Comm comm) {
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  std::vector<double> all(size);
+  MPI_Allgather(&value, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, comm);
+  return all;
+}
+
+}  // namespace
+
+/// The lists are made anew in the next step, here and after a restart: then all sums run in the same order.
+void Simulation::save(CheckpointContent& content) {
+  lists_valid_ = false;
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  content.numbers["time"] = time_;
+  content.numbers["imbalance"] = imbalance_;
+  content.numbers["audit_reaction_mismatch"] = worst_audit_.reaction_mismatch;
+  content.numbers["audit_momentum_residual"] = worst_audit_.momentum_residual;
+  double extremes[3] = {extremes_.speed, extremes_.compression, extremes_.pressure};
+  MPI_Allreduce(MPI_IN_PLACE, extremes, 3, MPI_DOUBLE, MPI_MAX, comm_);
+  content.numbers["extreme_speed"] = extremes[0];
+  content.numbers["extreme_compression"] = extremes[1];
+  content.numbers["extreme_pressure"] = extremes[2];
+  content.counts["steps"] = counters_.steps;
+  content.counts["builds"] = counters_.builds;
+  content.counts["decompositions"] = counters_.decompositions;
+  content.counts["removed_at_start"] = removed_at_start_;
+  std::int64_t sums[3] = {counters_.water_updates, counters_.particle_updates, counters_.pair_sweeps};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, comm_);
+  content.counts["water_updates"] = sums[0];
+  content.counts["particle_updates"] = sums[1];
+  content.counts["pair_sweeps"] = sums[2];
+  auto seconds = phases_.all();
+  MPI_Allreduce(MPI_IN_PLACE, seconds.data(), static_cast<int>(seconds.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  for (double& value : seconds) value /= size;
+  content.lists["phase_seconds_mean_per_rank"].assign(seconds.begin(), seconds.end());
+  std::string warnings;
+  for (const std::string& warning : warnings_) warnings += warning + "\n";
+  content.texts["warnings"] = warnings;
+
+  auto& boxes = content.lists["boxes"];
+  for (const Box& box : decomposition_.boxes()) {
+    boxes.insert(boxes.end(), box.lower.begin(), box.lower.end());
+    boxes.insert(boxes.end(), box.upper.begin(), box.upper.end());
+  }
+  content.lists["water_of_rank"] = gathered(static_cast<double>(particles_.water), comm_);
+  add_water(content, particles_);
+}
+
+/// On as many ranks as before, each takes its own part of space and its own water; on another number of ranks the water
+/// is shared out anew. Walls come from the scene.
+void Simulation::restore(const CheckpointReader& checkpoint) {
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  const std::vector<double> water_of_rank = checkpoint.list("water_of_rank");
+  const bool same_ranks = static_cast<int>(water_of_rank.size()) == size;
+  const std::int64_t rows = checkpoint.rows("water_state");
+  std::int64_t first = rows * rank_ / size, end = rows * (rank_ + 1) / size;
+  if (same_ranks) {
+    first = 0;
+    for (int r = 0; r < rank_; ++r) first += static_cast<std::int64_t>(water_of_rank[r]);
+    end = first + static_cast<std::int64_t>(water_of_rank[rank_]);
+  }
+  time_ = checkpoint.number("time");
+  particles_.assign(read_water(checkpoint, first, end - first));
+  adopt_walls(wall_points_of(walls_, rank_, size));
+  if (same_ranks) {
+    const std::vector<double> numbers = checkpoint.list("boxes");
+    std::vector<Box> boxes(size);
+    if (numbers.size() != 6 * boxes.size())
+      throw coupling::InputError(checkpoint.path().string() + ": is damaged: the ranks' boxes are incomplete");
+    for (int r = 0; r < size; ++r) {
+      std::copy_n(&numbers[6 * r], 3, boxes[r].lower.begin());
+      std::copy_n(&numbers[6 * r + 3], 3, boxes[r].upper.begin());
+    }
+    decomposition_.adopt(std::move(boxes));
+  } else {
+    place_wall_points(time_);
+    decompose();
+  }
+  anywhere_ = true;
+  find_neighbours(time_);
+  lists_valid_ = false;  // as after the checkpoint
+  started_ = true;
+
+  imbalance_ = checkpoint.number("imbalance");
+  worst_audit_ = {checkpoint.number("audit_reaction_mismatch"), checkpoint.number("audit_momentum_residual")};
+  extremes_.speed = checkpoint.number("extreme_speed");
+  extremes_.compression = checkpoint.number("extreme_compression");
+  extremes_.pressure = checkpoint.number("extreme_pressure");
+  counters_.steps = earlier_steps_ = checkpoint.count("steps");
+  counters_.builds = checkpoint.count("builds");
+  counters_.decompositions = checkpoint.count("decompositions") + (same_ranks ? 0 : 1);
+  removed_at_start_ = checkpoint.count("removed_at_start");
+  if (rank_ == 0) {  // sums over the ranks
+    counters_.water_updates = checkpoint.count("water_updates");
+    counters_.particle_updates = checkpoint.count("particle_updates");
+    counters_.pair_sweeps = checkpoint.count("pair_sweeps");
+  }
+  const std::vector<double> seconds = checkpoint.list("phase_seconds_mean_per_rank");
+  for (std::size_t k = 0; k < std::min(seconds.size(), phases_.all().size()); ++k) phases_.add(k, seconds[k]);
+  std::istringstream warnings(checkpoint.text("warnings"));
+  for (std::string line; std::getline(warnings, line);) warnings_.push_back(line);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+void Recorder::save(CheckpointContent& content) const {
+  content.counts["start_particles"] = start_.particles;
+  content.counts["most_outside"] = most_outside_;
+  content.counts["most_inside"] = most_inside_;
+  content.numbers["start_mass"] = start_.mass;
+  content.numbers["start_kinetic"] = start_.energy.kinetic;
+  content.numbers["start_potential"] = start_.energy.potential;
+  content.numbers["start_elastic"] = start_.energy.elastic;
+  content.numbers["start_volume_ratio"] = start_.volume_ratio;
+  content.numbers["largest_energy_gain"] = largest_energy_gain_;
+  content.numbers["deepest_in_body"] = deepest_;
+  content.numbers["wall_seconds"] = earlier_seconds_ + MPI_Wtime() - began_;
+  content.lists["restart_times"] = restart_times_;
+  auto& times = content.lists["frame_times"];
+  auto& steps = content.lists["frame_steps"];
+  auto& particles = content.lists["frame_particles"];
+  if (!fields_) return;
+  for (const FrameRecord& frame : fields_->records()) {
+    times.push_back(frame.time);
+    steps.push_back(static_cast<double>(frame.step));
+    particles.push_back(static_cast<double>(frame.particles));
+  }
+}
+
+void Recorder::restore(const CheckpointReader& checkpoint) {
+  std::error_code ignored;
+  const bool same_folder =
+      std::filesystem::equivalent(folder_, std::filesystem::absolute(checkpoint.path()).parent_path(), ignored);
+  const double time = simulation_.time();
+  const double tolerance = 0.5 * simulation_.window_length();
+  std::vector<FrameRecord> frames;
+  const auto times = checkpoint.list("frame_times"), steps = checkpoint.list("frame_steps"),
+             particles = checkpoint.list("frame_particles");
+  if (same_folder) {
+    for (std::size_t i = 0; i < times.size(); ++i)
+      frames.push_back({times[i], static_cast<std::int64_t>(steps[i]), static_cast<std::int64_t>(particles[i])});
+  }
+  open_files(same_folder ? std::optional(time) : std::nullopt, std::move(frames));
+  for (Clock* clock : {&fields_clock_, &bodies_clock_, &gauges_clock_, &energies_clock_}) clock->skip(time, tolerance);
+  const auto& pictures = scene_.output.pictures;
+  while (next_picture_ < pictures.size() && time + tolerance >= pictures[next_picture_]) ++next_picture_;
+
+  start_.particles = checkpoint.count("start_particles");
+  start_.mass = checkpoint.number("start_mass");
+  start_.energy = {checkpoint.number("start_kinetic"), checkpoint.number("start_potential"),
+                   checkpoint.number("start_elastic")};
+  start_.volume_ratio = checkpoint.number("start_volume_ratio");
+  most_outside_ = checkpoint.count("most_outside");
+  most_inside_ = checkpoint.count("most_inside");
+  deepest_ = checkpoint.number("deepest_in_body");
+  largest_energy_gain_ = checkpoint.number("largest_energy_gain");
+  earlier_seconds_ = checkpoint.number("wall_seconds");
+  restart_times_ = checkpoint.list("restart_times");
+  restart_times_.push_back(time);
+  began_at_ = time;
+  measure_end();
+  write_stage();
+}
+
+void Recorder::measure_end() { now_ = measure(simulation_, scene_); }
+
+}  // namespace embacle::mps
