@@ -215,7 +215,7 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"title =", "run_title =", "scene.toml:2: run_title: unknown key; did you mean 'title'?"},
       {"[output]", "[output]\ncfl = 1",
        "scene.toml:88: output.cfl: unknown key; it belongs to [numerics]; allowed: audit"},
-      {"end_time = \"2 s\"", "", "scene.toml:96: run.end_time: required, but missing; allowed: a time"},
+      {"end_time = \"2 s\"", "", "scene.toml:98: run.end_time: required, but missing; allowed: a time"},
       {"[run]\nend_time = \"2 s\"", "", "scene.toml: run.end_time: required, but missing"},
       {"script = \"in.blocks\"", "", "coupling.script: required, but missing"},
       // values
@@ -277,6 +277,10 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"table = \"paddle.csv\"", "", "wall.paddle.motion: needs a velocity or a table"},
       {"table = \"paddle.csv\"", "table = \"paddle.csv\"\nstart = 1",
        "wall.paddle.motion.start: belongs to a motion by velocity"},
+      {"checkpoint_every = 0", "checkpoint_every = 1",
+       "scene.toml:94: output.checkpoint_every: the scene has solids (coupling.script), whose state no checkpoint "
+       "holds"},
+      {"checkpoint_wall = 0", "checkpoint_wall = 1", "scene.toml:95: output.checkpoint_wall: the scene has solids"},
       {"pictures = [1,", "pictures = [3,", "output.pictures: 3 s is after the end of the run (run.end_time = 2 s)"},
   };
   ASSERT_EQ(error(full_), "");

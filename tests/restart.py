@@ -1,0 +1,273 @@
+"""Checkpoints and restarts of whole runs: other numbers of ranks, kills at any moment, signals, the wall-clock limit."""
+
+import json
+import math
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import time
+
+import support
+
+TABLES = ("energies.csv", "gauges/front.csv", "gauges/left.csv", "gauges/impact.csv")
+ENDLESS = ("--end-time", "1000")
+
+
+def rows(path):
+    """Numbers of a table without its header and without a last row that was cut."""
+    text = path.read_text() if path.exists() else ""
+    return [[float(value) for value in line.split(",")] for line in text[:text.rfind("\n") + 1].splitlines()[1:]]
+
+
+def read(path):
+    """Time and steps of a checkpoint, its water by id, and whether all of it is finite: read by h5py, not by mps."""
+    script = ("import h5py, json, numpy as np, sys\n"
+              "with h5py.File(sys.argv[1]) as f:\n"
+              "    data = {name: f[name][...] for name in f}\n"
+              "    order = np.argsort(data['water_identity'][:, 0])\n"
+              "    print(json.dumps({'time': f.attrs['time'], 'steps': int(f.attrs['steps']),\n"
+              "                      'finite': bool(np.isfinite(data['water_state']).all()),\n"
+              "                      'water': data['water_state'][order].tolist()}))\n")
+    done = subprocess.run(["/usr/bin/python3", "-c", script, str(path)], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)
+
+
+class RestartTest(support.SceneTest):
+    """The dam break without solids, coarse."""
+
+    def setUp(self):
+        super().setUp()
+        shutil.rmtree(self.scene)
+        shutil.copytree(support.SOURCE / "examples/dam-break", self.scene)
+        self.edit("scene.toml", '"7.3 mm"', '"1.46 cm"')
+        self.edit("scene.toml", 'fields_every = "0.1 s"', 'fields_every = "20 ms"\ngauges_every = "1 ms"\n'
+                                                          'energies_every = "5 ms"\ncheckpoint_every = "10 ms"')
+        self.edit("scene.toml", "pictures = [0, 0.2, 0.4, 0.6, 0.8, 1.0]", "")
+        self.checkpoint = self.out / "checkpoint.h5"
+
+    def summary(self, folder=None):
+        return json.loads(((folder or self.out) / "summary.json").read_text())
+
+    def restart(self, *arguments, limit=120):
+        return support.embacle("run", "--restart", self.out, "--no-pictures", *arguments, limit=limit)
+
+    def assert_same_results(self, folder, other):
+        for table in TABLES:
+            self.assertEqual((folder / table).read_bytes(), (other / table).read_bytes(), table)
+        for frame in sorted((other / "fields").glob("*.h5")):
+            self.assertEqual((folder / "fields" / frame.name).read_bytes(), frame.read_bytes(), frame.name)
+        self.assertEqual(len(list((folder / "fields").iterdir())), len(list((other / "fields").iterdir())))
+        for index in ("fields.xdmf",):
+            self.assertEqual((folder / index).read_bytes(), (other / index).read_bytes())
+        for key in ("steps", "simulated_seconds", "neighbour_list_builds", "decompositions", "extremes", "mass"):
+            self.assertEqual(self.summary(folder)[key], self.summary(other)[key], key)
+
+
+class Continuing(RestartTest):
+    def test_as_if_it_had_never_stopped(self):
+        """A run that stops at 40 ms and goes on to 80 ms leaves the files of one that ran through, bit for bit."""
+        whole = self.folder / "whole"
+        for ranks in ("1", "2"):
+            with self.subTest(ranks=ranks):
+                for folder in (whole, self.out):
+                    shutil.rmtree(folder, ignore_errors=True)
+                done = support.embacle("run", self.scene, "--out", whole, "--no-pictures", "--fluid-ranks", ranks,
+                                       "--end-time", "0.08", "--set", "output.checkpoint_every=0")
+                self.assertEqual(done.status, 0, done)
+                self.assertFalse((whole / "checkpoint.h5").exists())
+                self.assertEqual(self.run_scene("--fluid-ranks", ranks, "--end-time", "0.053").status, 0)
+                done = support.embacle("run", "--restart", self.out / "checkpoint-previous.h5", "--no-pictures",
+                                       "--fluid-ranks", ranks, "--end-time", "0.08")
+                self.assertEqual(done.status, 0, done)
+                self.assertIn("continues from t = 0.05", done.stdout)
+                self.assert_same_results(self.out, whole)
+                self.assertEqual(len(self.summary()["restarted_at"]), 1)
+
+    def test_on_other_numbers_of_ranks(self):
+        for before, after in (("2", "3"), ("3", "1")):
+            with self.subTest(before=before, after=after):
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.assertEqual(self.run_scene("--fluid-ranks", before, "--end-time", "0.03").status, 0)
+                start = read(self.checkpoint)
+                end = str(start["time"] + self.summary()["time_step"])
+                states = []
+                for ranks in (before, after):
+                    folder = self.folder / f"on-{ranks}"
+                    done = self.restart("--fluid-ranks", ranks, "--end-time", end, "--out", folder)
+                    self.assertEqual(done.status, 0, done)
+                    states.append(read(folder / "checkpoint.h5"))
+                    self.assertEqual(states[-1]["steps"], start["steps"] + 1)
+                    shutil.rmtree(folder)
+                for column in range(8):
+                    values = [[row[column] for row in state["water"]] for state in states]
+                    largest = max(map(abs, values[0]))
+                    self.assertLessEqual(max(abs(a - b) for a, b in zip(*values)), 1e-12 * largest, column)
+
+    def test_a_new_folder_holds_what_follows(self):
+        self.assertEqual(self.run_scene("--end-time", "0.03").status, 0)
+        kept = {path: path.read_bytes() for path in self.out.rglob("*") if path.is_file()}
+        other = self.folder / "other"
+        self.assertEqual(self.restart("--end-time", "0.06", "--out", other).status, 0)
+        self.assertEqual(kept, {path: path.read_bytes() for path in self.out.rglob("*") if path.is_file()})
+        self.assertGreater(rows(other / "gauges/front.csv")[0][0], 0.03)
+        self.assertAlmostEqual(rows(other / "gauges/front.csv")[-1][0], 0.06, delta=1e-3)
+        self.assertTrue((other / "shapes.json").exists())
+
+    def test_nothing_left_to_do(self):
+        self.assertEqual(self.run_scene("--end-time", "0.02").status, 0)
+        done = self.restart()
+        self.assertEqual(done.status, 0, done)
+        self.assertIn("at its end already", done.stdout)
+
+
+class Killed(RestartTest):
+    KILLS = 20
+
+    def test_killed_at_random_moments(self):
+        """Twenty kills in a row, each restart from what the kill left: the results are those of a run left in peace."""
+        program = [str(support.BUILD / "bin/mps")]
+        environment = dict(support.environment(), OMPI_MCA_btl_vader_single_copy_mechanism="none")
+        common = dict(env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        options = ["--set", "run.end_time=0.6 s", "--set", "numerics.particle_distance=1 cm"]
+        whole = self.folder / "whole"
+        since = time.monotonic()
+        subprocess.run([*program, str(self.scene), *options, "--out", str(whole)], check=True, **common)
+        span = time.monotonic() - since  # start-up included
+        seed = int.from_bytes(os.urandom(4), "little")
+        chance = random.Random(seed)
+        kills = ends = 0
+        reached = []
+        while kills < self.KILLS:
+            there = self.checkpoint.exists()
+            self.assertTrue(there or not (self.out / "checkpoint-previous.h5").exists())
+            command = [*program, "--restart", str(self.out)] if there else \
+                [*program, str(self.scene), *options, "--out", str(self.out)]
+            process = subprocess.Popen(command, **common)
+            try:
+                process.wait(timeout=chance.uniform(0.1, 0.2 + 0.15 * span))
+                self.assertEqual(process.returncode, 0, f"seed {seed}: {process.stderr.read()}")
+                ends += 1
+                shutil.rmtree(self.out)  # it reached its end: the next ones begin anew
+                process.stderr.close()
+                continue
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+                process.stderr.close()
+            kills += 1
+            times = [row[0] for row in rows(self.out / "gauges/front.csv")]
+            last = max(times, default=0)
+            if not self.checkpoint.exists():
+                self.assertLess(last, 0.011 + 0.002, f"seed {seed}: no checkpoint after {last} s")
+                continue
+            state = read(self.checkpoint)
+            self.assertTrue(state["finite"])
+            self.assertGreater(state["time"], last - 0.010 - 0.002, f"seed {seed}: more lost than since the last one")
+            reached.append(state["time"])
+        self.assertGreater(len(reached), self.KILLS // 4, f"seed {seed}: hardly any kill met a running simulation")
+        done = subprocess.run([*program, "--restart", str(self.out)], **common)
+        self.assertEqual(done.returncode, 0, f"seed {seed}: {done.stderr}")
+        self.assert_same_results(self.out, whole)
+        print(f"{kills} kills, {ends} ends in between, checkpoints at {[round(t, 3) for t in reached]} s, seed {seed}")
+
+
+class EndedEarly(RestartTest):
+    def assert_can_go_on(self, ended_by):
+        summary = self.summary()
+        self.assertEqual(summary["ended_by"], ended_by)
+        state = read(self.checkpoint)
+        self.assertEqual(state["steps"], summary["steps"])
+        done = self.restart("--end-time", str(math.floor(state["time"] * 1000 + 2) / 1000))
+        self.assertEqual(done.status, 0, done)
+        self.assertEqual(self.summary()["ended_by"], "end time")
+        self.assertGreater(self.summary()["steps"], summary["steps"])
+
+    def test_wall_limit(self):
+        outcome = self.run_scene("--wall-limit", "1 s", *ENDLESS)
+        self.assertEqual(outcome.status, 5, outcome)
+        self.assertIn(f"continue with --restart {self.out}", outcome.stdout)
+        self.assert_can_go_on("wall limit")
+
+    def test_wall_limit_is_a_time(self):
+        for value in ("soon", "3 m", "0", "-1 s"):
+            self.assert_refused(self.run_scene("--wall-limit", value), 2, "--wall-limit", "30min")
+
+    def test_checkpoints_by_the_clock(self):
+        outcome = self.run_scene("--set", "output.checkpoint_every=0", "--set", "output.checkpoint_wall=0.2 s",
+                                 "--wall-limit", "1.5 s", *ENDLESS)
+        self.assertEqual(outcome.status, 5, outcome)
+        self.assertTrue((self.out / "checkpoint-previous.h5").exists())
+
+    def run_until_checkpoint(self, *arguments):
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start_scene(*arguments, *ENDLESS)
+        self.wait_for(self.checkpoint.exists, process)
+        return process
+
+    def test_signals_to_the_front_door(self):
+        for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGUSR1, 5)):
+            with self.subTest(signal=number.name):
+                process = self.run_until_checkpoint("--fluid-ranks", "2")
+                since = time.monotonic()
+                process.send_signal(number)
+                outcome = support.finish(process, since, support.END_LIMIT)
+                self.assertEqual(outcome.status, status, outcome)
+                self.assertEqual(self.ranks("mps"), [])
+                self.assert_can_go_on("SIGUSR1")
+
+    def test_signals_to_any_rank(self):
+        for which, number, status in ((0, signal.SIGTERM, 143), (1, signal.SIGINT, 130), (1, signal.SIGUSR1, 5)):
+            with self.subTest(rank=which, signal=number.name):
+                process = self.run_until_checkpoint("--fluid-ranks", "2")
+                since = time.monotonic()
+                os.kill(self.ranks("mps")[which], number)
+                outcome = support.finish(process, since, support.END_LIMIT)
+                self.assertEqual(outcome.status, status, outcome)
+                self.assert_can_go_on(number.name)
+
+    def test_sigterm_to_mpirun(self):
+        """mpirun gives its ranks a second: enough to end cleanly."""
+        self.out.mkdir()
+        process = subprocess.Popen(
+            ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1", "-n", "2",
+             support.BUILD / "bin/mps", self.scene, "--out", self.out, *ENDLESS],
+            env=support.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.wait_for(self.checkpoint.exists, process)
+        since = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        support.finish(process, since, support.END_LIMIT)
+        self.assert_can_go_on("SIGTERM")
+
+
+class Refused(RestartTest):
+    def test_another_scene(self):
+        self.assertEqual(self.run_scene("--end-time", "0.02").status, 0)
+        kept = {path: path.read_bytes() for path in self.out.rglob("*") if path.is_file()}
+        self.edit("scene.toml", '"1.46 cm"', '"1 cm"')
+        for scene in ((), (self.scene,)):
+            self.assert_refused(support.embacle("run", *scene, "--restart", self.out), 2, r"scene\.toml",
+                                r"numerics\.particle_distance = 0\.01 \(then: 0\.0146\)", "checkpoint.h5")
+        self.assert_refused(self.restart("--set", "wall.tank.upper=[0.6, 0.6]"), 2, r"wall\.tank\.upper = \[0\.6, 0\.6, 0\]")
+        self.assertEqual(kept, {path: path.read_bytes() for path in self.out.rglob("*") if path.is_file()})
+
+    def test_no_checkpoint(self):
+        self.assert_refused(self.restart(), 2, "--restart", "out")
+        self.out.mkdir()
+        self.assert_refused(self.restart(), 2, "no checkpoint", "output.checkpoint_every")
+        self.checkpoint.write_text("not this")
+        self.assert_refused(self.restart(), 2, r"checkpoint\.h5", "HDF5")
+
+    def test_scenes_with_solids(self):
+        self.assertEqual(self.run_scene("--end-time", "0.02").status, 0)
+        solids = support.SMALL_TANK
+        self.assert_refused(support.embacle("run", solids, "--restart", self.out), 2, "--restart", "solids")
+        self.assert_refused(support.embacle("run", solids, "--out", self.folder / "new", "--set",
+                                            "output.checkpoint_every=1 ms"), 2, "checkpoint_every", "solids")
+
+
+if __name__ == "__main__":
+    assert pathlib.Path(support.BUILD).is_dir()
+    support.main()
