@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Runs validation cases and prints error against run time: ./embacle validate [CASE ...] [--quick|--full] [--json FILE].
+"""Runs validation cases and prints error against run time: ./embacle validate [CASE ...] [--quick|--full] [--report DIR].
 
 A case is a folder here with case.py, which defines TITLE and measure(context), a generator of Bar objects: it runs scenes
-through context.run and compares what came out with reference data in its folder. Standard library only, except where a
-case reads fields (h5py, numpy).
+through context.run and compares what came out with reference data in its folder. What it hands to context.curve and
+context.note goes into the report. Here standard library only; cases may use numpy and h5py.
 """
 
 import argparse
+import csv
 import dataclasses
 import datetime
 import importlib.util
@@ -18,6 +19,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+CURVE_POINTS = 500  # of a curve in the report, about
 
 
 class CaseError(Exception):
@@ -28,7 +30,7 @@ class CaseError(Exception):
 class Bar:
     """One measured quantity beside the range it must lie in."""
 
-    name: str
+    name: str  # "variant: quantity"; the report plots a quantity over the variants
     value: float
     lower: float
     upper: float
@@ -36,6 +38,7 @@ class Bar:
     seconds: float  # wall time of the run it comes from
     source: str = ""  # of the range
     required: bool = True  # False: reported, but a miss does not fail the validation
+    core_seconds: float = 0  # ranks times wall time of the simulation alone; 0: not for the work-precision plot
 
     @property
     def inside(self):
@@ -44,24 +47,37 @@ class Bar:
 
 @dataclasses.dataclass
 class Run:
-    """A finished run: its folder, its wall time and its summary.json."""
+    """A run: its folder, its wall time, its summary.json (empty unless it finished) and how it ended."""
 
     folder: pathlib.Path
     seconds: float
     summary: dict
+    status: int = 0
+    message: str = ""  # last lines that the run printed
+
+    def bar(self, name, value, lower, upper, unit, source, required=True):
+        """A bar whose value comes from this run."""
+        work = self.summary.get("wall_seconds", 0) * self.summary.get("fluid_ranks", 1)
+        return Bar(name, float(value), lower, upper, unit, self.seconds, source, required, work)
+
+    def table(self, name):
+        """A CSV file of the run by column name without unit: energies.csv, gauges/NAME.csv. Lists of numbers."""
+        return read_columns(self.folder / name)
 
 
 class Context:
     """What a case gets: the effort asked for, and the way to run scenes."""
 
-    def __init__(self, case, effort, results):
-        self.case, self.effort, self.results = case, effort, results
+    def __init__(self, case, effort, results, options=()):
+        self.case, self.effort, self.results, self.options = case, effort, results, options
         self.folder = ROOT / "validation" / case
+        self.curves, self.notes = [], []
 
-    def run(self, name, scene, settings=(), options=()):
-        """Runs a scene into results/NAME; settings are key.path=value. Raises CaseError if it fails."""
+    def run(self, name, scene, settings=(), options=(), allowed=(0,)):
+        """Runs a scene into results/NAME; settings are key.path=value. Raises CaseError if it ends with another status
+        than the allowed ones."""
         out = self.results / self.case / name
-        command = [str(ROOT / "embacle"), "run", str(scene), "--out", str(out), "--no-pictures", *options]
+        command = [str(ROOT / "embacle"), "run", str(scene), "--out", str(out), "--no-pictures", *self.options, *options]
         for setting in settings:
             command += ["--set", setting]
         print(f"  {self.case}/{name} ...", flush=True)
@@ -70,10 +86,22 @@ class Context:
         with (out / "validate.log").open("w") as log:
             status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
         seconds = time.monotonic() - start
-        if status != 0:
-            tail = (out / "validate.log").read_text().splitlines()[-5:]
+        tail = (out / "validate.log").read_text().splitlines()[-5:]
+        if status not in allowed:
             raise CaseError(f"{name}: the run ended with status {status}:\n    " + "\n    ".join(tail))
-        return Run(out, seconds, json.loads((out / "summary.json").read_text()))
+        summary = json.loads((out / "summary.json").read_text()) if status == 0 else {}
+        return Run(out, seconds, summary, status, "\n".join(tail))
+
+    def curve(self, panel, label, x, y, reference=False, points=False):
+        """A curve of the report's picture. Panel: "title; x axis; y axis" says where it goes."""
+        x, y = [float(value) for value in x], [float(value) for value in y]
+        every = 1 if points else max(1, len(x) // CURVE_POINTS)
+        self.curves.append({"panel": panel, "label": label, "x": x[::every], "y": y[::every], "reference": reference,
+                            "points": points})
+
+    def note(self, line):
+        """A line of Markdown under the table of the case."""
+        self.notes.append(line)
 
     def tool(self, name, *arguments):
         """Output of a program of tools/. Raises CaseError if it fails."""
@@ -82,6 +110,14 @@ class Context:
         if done.returncode != 0:
             raise CaseError(f"tools/{name}: {done.stderr.strip()}")
         return done.stdout
+
+
+def read_columns(path):
+    """A CSV file with a header of `name [unit]` columns: dictionary of name (no unit) to a list of numbers."""
+    with path.open(encoding="utf-8") as stream:
+        rows = list(csv.reader(stream))
+    names = [column.split("[")[0].strip() for column in rows[0]]
+    return {name: [float(row[k]) for row in rows[1:]] for k, name in enumerate(names)}
 
 
 def cases():
@@ -117,7 +153,9 @@ def parse(arguments):
     effort = parser.add_mutually_exclusive_group()
     effort.add_argument("--quick", dest="effort", action="store_const", const="quick", help="minutes")
     effort.add_argument("--full", dest="effort", action="store_const", const="full", help="also finer resolutions: hours")
+    parser.add_argument("--fluid-ranks", metavar="N", help="ranks of each run")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write the results there as well")
+    parser.add_argument("--report", type=pathlib.Path, metavar="DIR", help="write report.md and a picture a case there")
     parser.set_defaults(effort="normal")
     options = parser.parse_args(arguments)
     for case in options.cases:
@@ -126,33 +164,62 @@ def parse(arguments):
     return options
 
 
+def validate_case(case, options, results):
+    """Runs a case; its results as they stand in validation.json."""
+    module = load(case)
+    print(f"\n## {case}: {module.TITLE}\n", flush=True)
+    context = Context(case, options.effort, results, ["--fluid-ranks", options.fluid_ranks] if options.fluid_ranks else [])
+    bars, error = [], None
+    try:
+        for bar in module.measure(context):
+            bars.append(bar)
+    except CaseError as problem:
+        error = str(problem)
+    text = "\n".join([table(bars), *([""] + context.notes if context.notes else [])])
+    print("\n" + text, flush=True)
+    if error:
+        print(f"\n{case}: not finished: {error}", file=sys.stderr)
+    return {"title": module.TITLE, "error": error, "text": text, "curves": context.curves,
+            "missed": error is not None or any(bar.required and not bar.inside for bar in bars),
+            "bars": [dataclasses.asdict(bar) | {"inside": bar.inside} for bar in bars]}
+
+
+def write_report(outcome, folder):
+    """report.md, and by tools/validation_plots.py a picture a case."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / "validation.json", json.dumps(outcome, indent=1) + "\n")
+    plots = subprocess.run(["/usr/bin/python3", str(ROOT / "tools/validation_plots.py"), str(folder)]).returncode == 0
+    lines = [f"# Validation, effort {outcome['effort']}", "",
+             "Inside: the value lies in the allowed range. Run: wall time, on whatever else the machine had to do.", ""]
+    for case, result in outcome["cases"].items():
+        lines += [f"## {case}: {result['title']}", "", result["text"], ""]
+        if result["error"]:
+            lines += [f"**Not finished**: {result['error']}", ""]
+        if plots and (folder / f"{case}.png").exists():
+            lines += [f"![{result['title']}]({case}.png)", ""]
+    write_whole(folder / "report.md", "\n".join(lines))
+
+
+def write_whole(path, text):
+    beside = path.with_name(path.name + ".part")
+    beside.write_text(text)
+    os.replace(beside, path)
+
+
 def validate(options):
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
     results = ROOT / "runs" / f"validation-{stamp}"
-    report, failed = {"effort": options.effort, "cases": {}}, False
+    outcome = {"effort": options.effort, "cases": {}}
     for case in options.cases or cases():
-        module = load(case)
-        print(f"\n## {case}: {module.TITLE}\n", flush=True)
-        bars, error = [], None
-        try:
-            for bar in module.measure(Context(case, options.effort, results)):
-                bars.append(bar)
-        except CaseError as problem:
-            error = str(problem)
-        print("\n" + table(bars))
-        if error:
-            print(f"\n{case}: not finished: {error}", file=sys.stderr)
-        failed |= error is not None or any(bar.required and not bar.inside for bar in bars)
-        report["cases"][case] = {
-            "title": module.TITLE, "error": error,
-            "bars": [dataclasses.asdict(bar) | {"inside": bar.inside} for bar in bars]}
+        outcome["cases"][case] = validate_case(case, options, results)
     print(f"\nResults: {results}")
     results.mkdir(parents=True, exist_ok=True)
     for path in filter(None, (results / "validation.json", options.json)):
-        beside = path.with_name(path.name + ".part")
-        beside.write_text(json.dumps(report, indent=2) + "\n")
-        os.replace(beside, path)
-    return 1 if failed else 0
+        write_whole(path, json.dumps(outcome, indent=1) + "\n")
+    if options.report:
+        write_report(outcome, options.report)
+        print(f"Report: {options.report}/report.md")
+    return 1 if any(result["missed"] for result in outcome["cases"].values()) else 0
 
 
 if __name__ == "__main__":

@@ -1,0 +1,113 @@
+"""A column of water collapses on a dry bed, 2-D: front against experiments, volume, energy of the water once still.
+
+The experiments' time starts when a gate or a diaphragm gives way, so the computed front may lag by one constant time of at
+most 20 ms. The speed of the surge is the slope of a straight line through the front beyond a place, at the measured times.
+README.md says which series must be met and why.
+"""
+
+import dataclasses
+
+import numpy as np
+
+TITLE = "dam break on a dry bed, 2-D, against experiments"
+LONGEST_LAG = 0.020  # [s]
+GRAVITY = 9.81
+INCH = 0.0254
+RESOLUTIONS = {"quick": (16,), "normal": (16, 32), "full": (16, 32, 64)}  # a/l0, a the smaller side of the column
+
+
+@dataclasses.dataclass
+class Series:
+    """Front Z = x/a over T = t sqrt(2g/a), from a column a wide and b high in a tank."""
+
+    name: str
+    file: str
+    width: float  # a [m]
+    height: float  # b [m]
+    length: float  # of the tank [m]
+    end: float  # [m/a]: measured so far
+    fast: float  # [a]: from here on the front moves at a steady speed
+    time_unit: float = 1.0  # T of one unit of the file's first column
+    gate: float = 0.0  # [a]: where the file's second column starts
+    unit: float = 1.0  # [a]: of the file's second column
+    required: bool = True
+
+    def read(self, folder):
+        table = np.loadtxt(folder / self.file, delimiter=",", skiprows=1)
+        times, fronts = table[:, 0] * self.time_unit, self.gate + table[:, 1] * self.unit
+        return times[fronts <= self.end], fronts[fronts <= self.end]
+
+    @property
+    def scale(self):
+        """T of one second."""
+        return np.sqrt(2 * GRAVITY / self.width)
+
+
+TANK = [Series("Koshizuka & Oka", "koshizuka-oka-1996.csv", 0.146, 0.292, 0.584, 4, 2, time_unit=np.sqrt(2 * GRAVITY)),
+        Series("Koshizuka & Oka, other digitisation", "koshizuka-oka-1996-other.csv", 0.146, 0.292, 0.584, 4, 2,
+               required=False)]
+CHANNEL = [Series("Martin & Moyce 2.25 in", "martin-moyce-1952-a2.25in.csv", 2.25 * INCH, 4.5 * INCH, 36 * INCH, 4.2, 2),
+           Series("Martin & Moyce 2.25 in, to 14 a", "martin-moyce-1952-a2.25in.csv", 2.25 * INCH, 4.5 * INCH, 36 * INCH,
+                  14, 2, required=False),
+           Series("Martin & Moyce 1.125 in", "martin-moyce-1952-a1.125in.csv", 2.25 * INCH, 4.5 * INCH, 36 * INCH, 4.2, 2,
+                  required=False)]
+GATE = [Series("Lobovsky", "lobovsky-2014.csv", 0.6, 0.3, 1.61, 2.68, 1.5, gate=1.0, unit=0.5)]
+
+
+def compare(context, run, label, series):
+    """Bars of the front against one experiment."""
+    times, fronts = series.read(context.folder)
+    table = run.table("gauges/front.csv")
+    t, z = np.array(table["t"]) * series.scale, np.array(table["front"]) / series.width
+    lags = np.linspace(0, LONGEST_LAG, 201) * series.scale
+    errors = [np.sqrt(np.mean((np.interp(times - lag, t, z) - fronts) ** 2)) for lag in lags]
+    lag = lags[int(np.argmin(errors))]
+    computed, fast = np.interp(times - lag, t, z), fronts >= series.fast
+    measured_speed, speed = (np.polyfit(times[fast], values[fast], 1)[0] for values in (fronts, computed))
+    panel = f"front, {series.name}; t sqrt(2g/a); x/a"
+    if label.endswith(f" {RESOLUTIONS[context.effort][0]}"):
+        context.curve(panel, "experiment", times, fronts, reference=True, points=True)
+    shown = t + lag <= times[-1]
+    context.curve(panel, f"{label}, lag {1000 * lag / series.scale:.0f} ms", t[shown] + lag, z[shown])
+    yield run.bar(f"{label}: {series.name}, RMS of the front", min(errors), 0, 0.04, "a", series.file, series.required)
+    yield run.bar(f"{label}: {series.name}, surge speed", 100 * (speed / measured_speed - 1), -3, 3, "%",
+                  f"{series.file}: {measured_speed * series.width * series.scale:.2f} m/s", series.required)
+
+
+def rest(context, run, label, series):
+    """Bars of what must be kept, and of the water once it is still."""
+    table = {name: np.array(values) for name, values in run.table("energies.csv").items()}
+    time, volume = table["t"], 100 * (table["volume ratio"] / table["volume ratio"][0] - 1)
+    level = series.width * series.height / series.length
+    still = 0.5 * table["mass"][0] * GRAVITY * level
+    late = time >= 5.5
+    potential, kinetic = (100 * table[name][late].mean() / still for name in ("potential", "kinetic"))
+    context.curve("volume; time [s]; change [%]", label, time, volume)
+    for name in ("potential", "kinetic"):
+        context.curve("energy; time [s]; energy / potential energy at rest", f"{label}, {name}", time, table[name] / still)
+    yield run.bar(f"{label}: largest change of the volume", np.nanmax(np.abs(volume)), 0, 1, "%", "conservation")
+    yield run.bar(f"{label}: potential energy, 5.5-6 s", potential - 100, -1, 1, "%", "m g h/2 of the same water at rest")
+    yield run.bar(f"{label}: the same less the kinetic energy", potential - kinetic - 100, -1, 1, "%",
+                  "sloshing has as much of either", required=False)
+    yield run.bar(f"{label}: largest gain of energy", 100 * run.summary["energy"]["largest_gain"] / still, 0, 1, "%",
+                  "no work is done", required=False)
+    yield run.bar(f"{label}: water outside of the tank", run.summary["extremes"]["water_outside_tank"], 0, 0, "particles",
+                  "conservation")
+
+
+def collapse(context, name, series, layers, end_time):
+    distance = min(series.width, series.height) / layers
+    return context.run(f"{name}-{layers}", context.folder / "scene.toml", [
+        f"parameters.column={series.width}", f"parameters.height={series.height}", f"parameters.length={series.length}",
+        f"parameters.l0={distance!r}", f"run.end_time={end_time}"])
+
+
+def measure(context):
+    for layers in RESOLUTIONS[context.effort]:
+        label = f"a/l0 {layers}"
+        for name, group, end_time in (("tank", TANK, 6), ("channel", CHANNEL, 0.8), ("gate", GATE, 0.6)):
+            run = collapse(context, name, group[0], layers, end_time)
+            for series in group:
+                yield from compare(context, run, label, series)
+            if name == "tank":
+                yield from rest(context, run, label, group[0])
