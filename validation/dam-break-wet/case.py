@@ -25,7 +25,7 @@ RUNS = {"quick": [(15, 0.05), (15, 0)], "normal": [(15, 0.05), (30, 0.05), (30, 
 
 
 class Profiles:
-    """Depth and mean velocity along the channel at every frame of a run, in bins of two particle distances."""
+    """Depth and mean velocity along the channel at every frame of a run, in bins of a fifth of h0."""
 
     def __init__(self, folder, distance):
         try:
@@ -34,8 +34,8 @@ class Profiles:
             rows = [frames.read(k, "position", "velocity", "type") for k in range(len(self.times))]
         except RunFolderError as error:
             raise CaseError(str(error)) from None
-        width = 2 * distance
-        lower = width * round(min(row[0][row[2] == 0, 0].min() for row in rows) / width - 0.5)
+        width = 0.2 * DEPTH
+        lower = width * np.floor(min(row[0][row[2] == 0, 0].min() for row in rows) / width)
         upper = max(row[0][row[2] == 0, 0].max() for row in rows)
         edges = np.arange(lower, upper + 2 * width, width)
         self.x = 0.5 * (edges[1:] + edges[:-1])
