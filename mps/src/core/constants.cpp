@@ -31,6 +31,15 @@ double reference_speed(const Scene& scene) {
     }
   }
   for (const Wall& wall : scene.walls) {
+    // Water falls as far as the floor of its tank.
+    if (wall.kind == Wall::Kind::tank && gravity > 0 && highest > lowest) {
+      double floor = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double up = -scene.fluid.gravity[c] / gravity;
+        floor += std::min(up * wall.region.lower[c], up * wall.region.upper[c]);
+      }
+      lowest = std::min(lowest, floor);
+    }
     if (!wall.motion) continue;
     double speed = 0;
     for (const double v : wall.motion->velocity) speed += v * v;
