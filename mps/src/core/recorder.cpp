@@ -169,6 +169,7 @@ void Recorder::write_energies() {
   deepest_ = std::max(deepest_, now_.deepest_in_body);
   farthest_outside_ = std::max(farthest_outside_, now_.farthest_outside_tank);
   largest_energy_gain_ = std::max(largest_energy_gain_, now_.energy.total() - start_.energy.total());
+  largest_kinetic_energy_ = std::max(largest_kinetic_energy_, now_.energy.kinetic);
   if (rank_ != 0) return;
   energies_->row(std::vector<double>{simulation_.time(), now_.energy.kinetic, now_.energy.potential,
                                      now_.energy.elastic, now_.energy.total(), now_.mass, now_.momentum[0],
@@ -343,8 +344,33 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   } else {
     json.object("coupling").set("windows", 0).set("messages_per_rank_and_window_mean", 0.0).set("body_bytes", 0);
   }
-  json.set("warnings", simulation_.warnings());
+  std::vector<std::string> warnings = simulation_.warnings();
+  for (std::string& doubt : doubts(extremes[0], extremes[1])) {
+    if (rank_ == 0) fmt::print("warning: {}\n", doubt);
+    warnings.push_back(std::move(doubt));
+  }
+  json.set("warnings", warnings);
   return json;
+}
+
+std::vector<std::string> Recorder::doubts(double speed, double compression) const {
+  const Constants& c = simulation_.constants();
+  std::vector<std::string> found;
+  if (speed > 0.3 * c.sound_speed || compression > 0.15) {
+    found.push_back(fmt::format(
+        "the water was not weakly compressible: speed up to {:.3g} m/s (sound speed {:.3g}), density off by up to "
+        "{:.0f} %; give a larger numerics.reference_speed",
+        speed, c.sound_speed, 100 * compression));
+  }
+  const bool work = simulation_.bodies() != nullptr || simulation_.walls().any_moves();
+  if (!work && largest_energy_gain_ > 0.01 * largest_kinetic_energy_) {
+    found.push_back(
+        fmt::format("the water gained up to {:.3g} J with no work done on it ({:.1f} % of its largest kinetic energy): "
+                    "do not trust "
+                    "this run; a smaller numerics.cfl may help",
+                    largest_energy_gain_, 100 * largest_energy_gain_ / largest_kinetic_energy_));
+  }
+  return found;
 }
 
 }  // namespace embacle::mps

@@ -51,6 +51,8 @@ class Recorder {
   void write_energies();
   void write_stage() const;  ///< stage.json: what pictures need to know of the scene
   void show_progress(bool last);
+  /// Reasons not to trust the finished run, from its largest speed [m/s] and largest |rho/rho0 - 1|.
+  [[nodiscard]] std::vector<std::string> doubts(double speed, double compression) const;
 
   const Scene& scene_;
   Simulation& simulation_;
@@ -62,7 +64,7 @@ class Recorder {
   Clock fields_clock_, bodies_clock_, gauges_clock_, energies_clock_;
   std::size_t next_picture_ = 0;
   WaterState start_, now_;
-  double largest_energy_gain_ = 0;
+  double largest_energy_gain_ = 0, largest_kinetic_energy_ = 0;
   std::int64_t most_outside_ = 0, most_inside_ = 0;
   double deepest_ = 0;
   double farthest_outside_ = 0;
