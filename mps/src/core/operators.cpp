@@ -52,7 +52,11 @@ void density_rate(const Particles& particles, const Neighbours& neighbours, cons
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
       const Pack f = kernel.gradient_weight(square_root(r2), max_zero);
       divergence += f * dot<D>(other.vx - me.v[0], other.vy - me.v[1], other.vz - me.v[2], dx, dy, dz);
-      if constexpr (Water) laplacian += f * r2 * ((other.s - me.s) - dot<D>(gx, gy, gz, dx, dy, dz));
+      if constexpr (Water) {
+        // At rest ds = (g.dr/c0^2) s^-6 by the Tait equation; s^-6 to first order, with the mean of both s.
+        const Pack slope = 7.0 - 3.0 * (me.s + other.s);
+        laplacian += f * r2 * ((other.s - me.s) - slope * dot<D>(gx, gy, gz, dx, dy, dz));
+      }
     };
     for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
     for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
