@@ -187,7 +187,7 @@ double front_position(const Simulation& simulation, const Gauge& gauge) {
   const auto& records = simulation.particles().record;
   double farthest = -1e300;
   for (std::size_t i = 0; i < simulation.particles().water; ++i) {
-    const double along = dot(records[i].x, gauge.direction);
+    const double along = dot(records[i].x, gauge.direction) + 0.5 * c.particle_distance;
     if (along <= farthest) continue;
     int close = 0;  // a lone splash is no front
     const NeighbourRange range = simulation.neighbours().of_water(i);
@@ -196,7 +196,7 @@ double front_position(const Simulation& simulation, const Gauge& gauge) {
       for (int d = 0; d < 3; ++d) square += std::pow(records[*k].x[d] - records[i].x[d], 2);
       close += square < 2.25 * c.particle_distance * c.particle_distance ? 1 : 0;
     }
-    if (close >= 2) farthest = along + 0.5 * c.particle_distance;
+    if (close >= 2) farthest = along;
   }
   double result = 0;
   MPI_Allreduce(&farthest, &result, 1, MPI_DOUBLE, MPI_MAX, simulation.comm());
