@@ -9,6 +9,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import NullFormatter
 
 from run_folder import existing, program, read_json
 
@@ -34,13 +35,22 @@ def share_of_bar(bar):
     return abs(bar["value"] - 0.5 * (lower + upper)) / (0.5 * (upper - lower))
 
 
+def quantity_of(bar):
+    """A bar's name without the resolution: "5 cm, h0/l0 30: depth" is "5 cm: depth", "40 layers: depth" is "depth"."""
+    variant, _, quantity = bar["name"].rpartition(": ")
+    scene = variant.rpartition(", ")[0]
+    return f"{scene}: {quantity}" if scene else quantity
+
+
 def precision_of(case):
-    """Points (core-seconds, error in units of the bar) of each required quantity measured with two amounts of work."""
+    """Points (core-seconds, error in units of the bar) of each quantity that is held to a bar at some resolution and was
+    measured at two."""
+    held = {quantity_of(bar) for bar in case["bars"] if bar["required"]}
     lines = {}
     for bar in case["bars"]:
-        share = share_of_bar(bar)
-        if share is not None and bar["required"] and bar["core_seconds"] > 0:
-            lines.setdefault(bar["name"].split(": ", 1)[-1], []).append((bar["core_seconds"], max(abs(share), SHORTEST)))
+        share, name = share_of_bar(bar), quantity_of(bar)
+        if share is not None and name in held and bar["core_seconds"] > 0:
+            lines.setdefault(name, []).append((bar["core_seconds"], max(abs(share), SHORTEST)))
     return {name: sorted(points) for name, points in lines.items() if len({work for work, _ in points}) > 1}
 
 
@@ -69,7 +79,8 @@ def draw_curves(axes, labels, curves):
     tidy(axes)
 
 
-def draw_precision(axes, lines):
+def draw_precision(axes, legend, lines):
+    """Into two panels: the lines, and what they are."""
     markers = "os^vD<>pPX*"
     for k, (name, points) in enumerate(lines.items()):
         axes.plot(*zip(*points), marker=markers[k % len(markers)], markersize=4.5, linewidth=1.1, label=name)
@@ -79,14 +90,19 @@ def draw_precision(axes, lines):
     axes.set_title("work and precision", fontsize=10, loc="left")
     axes.set_xlabel("core-seconds")
     axes.set_ylabel("error / allowed error")
-    axes.legend(fontsize=7, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    work = [point[0] for points in lines.values() for point in points]
+    axes.set_xlim(10 ** math.floor(math.log10(min(work))), 10 ** math.ceil(math.log10(max(work) * 1.01)))
     tidy(axes)
+    legend.legend(*axes.get_legend_handles_labels(), fontsize=7.5, frameon=False, loc="upper left")
+    legend.set_axis_off()
 
 
 def picture(case, path):
     """True if there was something to draw."""
     panels, lines = panels_of(case), precision_of(case)
-    count = len(panels) + bool(lines)
+    count = len(panels) + 2 * bool(lines)
     if count == 0:
         return False
     width = min(count, COLUMNS)
@@ -97,7 +113,7 @@ def picture(case, path):
     for axes, (labels, curves) in zip(flat, panels):
         draw_curves(axes, labels, curves)
     if lines:
-        draw_precision(flat[len(panels)], lines)
+        draw_precision(*flat[len(panels):count], lines)
     for axes in flat[count:]:
         axes.set_axis_off()
     figure.savefig(path)
