@@ -305,6 +305,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
 }
 
 int Simulation::begin_epoch(int wanted_windows) {
+  if (started_) synchronise();  // also after the last step: its failure must not go unsaid
   int windows = wanted_windows;
   if (wanted_windows > 0 && started_) {
     if (!lists_valid_) find_neighbours(time_);  // after a checkpoint or a restart
