@@ -19,6 +19,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import paths  # noqa: E402
 import pictures  # noqa: E402
 import run_folder  # noqa: E402
+import validation_plots  # noqa: E402
 
 STARTS = [(0.04, 0.04), (0.11, 0.04), (0.04, 0.11), (0.11, 0.11)]  # x, y of tags 1 to 4: B1, B2, A1, A2
 HEADER = ("t [s],tag [-],x [m],y [m],z [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],wy [rad/s],"
@@ -228,6 +229,31 @@ class EnergiesTest(RunTest):
         outcome = run("energies.py", self.folder)
         self.assertEqual(outcome.returncode, 2)
         self.assertIn("energies.csv is missing", outcome.stderr)
+
+
+class ValidationPlotsTest(RunTest):
+    def bar(self, name, value, work, required=True, upper=2.0):
+        return {"name": name, "value": value, "lower": 0, "upper": upper, "required": required, "core_seconds": work}
+
+    def test_quantities_are_joined_over_resolutions_and_measured_in_bars(self):
+        bars = [self.bar("2-D, 20 layers: RMS", 4.0, 1, required=False), self.bar("2-D, 40 layers: RMS", 1.0, 8),
+                self.bar("2-D, 40 layers: lost", 0, 8, upper=0), self.bar("tip", 1.0, 1, required=False)]
+        self.assertEqual(validation_plots.precision_of({"bars": bars}), {"2-D: RMS": [(1, 2.0), (8, 0.5)]})
+
+    def test_a_picture_for_each_case_that_has_curves(self):
+        curve = {"panel": "front; t; x", "label": "experiment", "x": [0, 1], "y": [1, 2], "reference": True, "points": True}
+        case = {"curves": [curve], "bars": [self.bar("a/l0 16: RMS", 3.0, 1), self.bar("a/l0 32: RMS", 1.0, 9)]}
+        outcome = {"cases": {"dam": case, "nothing": {"curves": [], "bars": []}}}
+        (self.folder / "validation.json").write_text(json.dumps(outcome))
+        done = run("validation_plots.py", self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((self.folder / "dam.png").exists())
+        self.assertFalse((self.folder / "nothing.png").exists())
+
+    def test_missing_results(self):
+        done = run("validation_plots.py", self.folder)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("validation.json is missing", done.stderr)
 
 
 if __name__ == "__main__":
