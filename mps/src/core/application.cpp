@@ -161,12 +161,12 @@ std::string check_report(const Scene& scene, int ranks) {
       "  water particles   {}\n  wall points       {}\n  solids            {}\n"
       "  particle distance {:g} m, support {:g} m ({} neighbours)\n"
       "  sound speed       {:.4g} m/s (reference speed {:.4g} m/s)\n"
-      "  time step         {:.4g} s, {:.0f} steps to {:g} s\n"
+      "  time step         {:.4g} s ({}), {:.0f} steps to {:g} s\n"
       "  memory            {:.0f} MB\n  estimated run     {:.0f} s on {} rank{}\n",
       scene.file.string(), initial.water.size(), initial.walls.size(),
       scene.coupled() ? "from " + scene.coupling.script.filename().string() : std::string("none"), c.particle_distance,
-      c.support, c.lattice.neighbours, c.sound_speed, c.reference_speed, c.step, steps, scene.end_time, bytes * 1e-6,
-      seconds, ranks, ranks == 1 ? "" : "s");
+      c.support, c.lattice.neighbours, c.sound_speed, c.reference_speed, c.step, c.step_limit, steps, scene.end_time,
+      bytes * 1e-6, seconds, ranks, ranks == 1 ? "" : "s");
   for (const std::string& warning : initial.warnings) report += "  warning: " + warning + "\n";
   return report;
 }
@@ -193,6 +193,7 @@ std::string explain_report(const Scene& scene) {
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
   module(n.collision_distance > 0, "particle collision", "in the force sweep");
   module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
+  module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
   module(solids, "walls: extrapolated pressure", "a sweep over wet wall points");
   module(moving, "moving walls", "a pass over wall points");
   module(thin, "thin walls seen from one side", "checks near them when lists are built");

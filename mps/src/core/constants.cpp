@@ -43,6 +43,7 @@ double reference_speed(const Scene& scene) {
     if (!wall.motion) continue;
     double speed = 0;
     for (const double v : wall.motion->velocity) speed += v * v;
+    for (const double v : wall.motion->surface_velocity) speed += v * v;
     fastest = std::max(fastest, std::sqrt(speed));
     for (std::size_t k = 1; k < wall.motion->table.size(); ++k) {
       const auto& [t0, d0] = wall.motion->table[k - 1];
@@ -58,6 +59,26 @@ double reference_speed(const Scene& scene) {
   throw coupling::InputError(scene.file.string() +
                              ": numerics.reference_speed: cannot be derived (no head of water, no motion); state it");
 }
+
+namespace {
+
+/// The step is the shortest that sound, viscosity and body forces allow.
+void limit_step(Constants& c, double cfl) {
+  const double l0 = c.particle_distance;
+  const double force =
+      std::sqrt(c.gravity[0] * c.gravity[0] + c.gravity[1] * c.gravity[1] + c.gravity[2] * c.gravity[2]);
+  c.step = cfl * l0 / (c.sound_speed + c.reference_speed);
+  c.step_limit = "acoustic";
+  const auto limit = [&](double step, const char* name) {
+    if (step >= c.step) return;
+    c.step = step;
+    c.step_limit = name;
+  };
+  if (c.viscosity > 0) limit(0.125 * l0 * l0 / c.viscosity, "viscous");
+  if (force > 0) limit(0.25 * std::sqrt(l0 / force), "force");
+}
+
+}  // namespace
 
 Constants constants_of(const Scene& scene) {
   Constants c;
@@ -75,8 +96,11 @@ Constants constants_of(const Scene& scene) {
   c.periodic = periodic_of(scene);
   c.reference_speed = reference_speed(scene);
   c.sound_speed = scene.numerics.sound_speed > 0 ? scene.numerics.sound_speed : 10 * c.reference_speed;
-  c.step = scene.numerics.cfl * c.particle_distance / (c.sound_speed + c.reference_speed);
   c.viscosity = scene.fluid.kinematic_viscosity;
+  c.wall_friction = c.viscosity > 0 && std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& wall) {
+                      return wall.slip || (wall.motion && wall.motion->surface_velocity != Vec3d{});
+                    });
+  limit_step(c, scene.numerics.cfl);
   c.lattice = c.kernel == KernelKind::wendland
                   ? lattice_sums<KernelKind::wendland>(c.dimension, c.particle_distance, c.support)
                   : lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support);

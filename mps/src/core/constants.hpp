@@ -19,12 +19,14 @@ struct Constants {
   double reference_speed = 0;     ///< largest speed expected [m/s]
   double sound_speed = 0;         ///< c0 [m/s]
   double step = 0;                ///< time step [s]
+  const char* step_limit = "";    ///< what keeps it from being longer: acoustic, viscous or force
   double gravity[3] = {0, 0, 0};  ///< [m/s^2]
   double static_gravity[3] = {};  ///< the part that pressure can balance: not along periodic directions [m/s^2]
   Periodic periodic;
   double gradient_factor = 0;       ///< d/n0
   double laplacian_factor = 0;      ///< 2 d/(lambda n0)
   double viscosity = 0;             ///< kinematic [m^2/s]
+  bool wall_friction = false;       ///< the viscous term of solids is that of Friction, not of accelerate()
   double artificial_viscosity = 0;  ///< alpha c0 l0 [m^2/s]
   double density_diffusion = 0;     ///< delta' c0 l0 [m^2/s]
   double collision_distance = 0;    ///< [m]

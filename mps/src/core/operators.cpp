@@ -99,6 +99,7 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
   const double pressure_factor = -c.gradient_factor / c.density;
   const double damping_factor = c.gradient_factor * c.artificial_viscosity;
   const double viscous_factor = c.viscosity * c.laplacian_factor;
+  const double solid_factor = c.wall_friction ? 0.0 : 2.0 * viscous_factor;
   const double water_collision = c.collision_distance * c.collision_distance;
   const double solid_distance = c.collision_distance > 0 ? 0.5 * c.particle_distance : 0.0;
   const double solid_collision = solid_distance * solid_distance;
@@ -125,7 +126,7 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
       along += collides ? impulse : splat(0.0);
       Pack fx = along * dx, fy = along * dy, fz = along * dz;
       if constexpr (Viscous) {
-        const Pack laplacian = f * r2 * (Water ? viscous_factor : 2.0 * viscous_factor);
+        const Pack laplacian = f * r2 * (Water ? viscous_factor : solid_factor);
         fx += laplacian * ux;
         fy += laplacian * uy;
         fz += laplacian * uz;

@@ -33,7 +33,8 @@ void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, co
 ///         + nu (2d/(lambda n0)) SUM (v_j - v_i) F r^2 + collisions,
 /// the conjugate of the divergence above, so that pressure work and compression balance (thesis eq 5.15 with unit
 /// weights over the constant rho0, which keeps the pair forces antisymmetric). Walls and bodies enter the viscous sum
-/// with the mirrored velocity 2 v_b - v_i (no slip), only where the scene has a viscosity; otherwise they slip.
+/// with the mirrored velocity 2 v_b - v_i (no slip), only where the scene has a viscosity; otherwise they slip. Where
+/// walls say whether they slip, they and the bodies are left to Friction.
 /// Collisions: pairs closer than the collision distance and approaching exchange the normal velocity
 /// (1 + epsilon)/2 (v_ij.e) e (thesis eq 5.38 with its sign corrected), on all water pairs; with a solid point the
 /// water takes (1 + epsilon) (v_ij.e) e when it is within half a particle distance, i.e. at the surface.

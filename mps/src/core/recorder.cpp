@@ -287,7 +287,7 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   json.set("dimension", c.dimension);
   json.set("simulated_seconds", simulation_.time()).set("wall_seconds", wall_seconds);
   if (!restart_times_.empty()) json.set("restarted_at", restart_times_);
-  json.set("steps", counters.steps).set("time_step", c.step);
+  json.set("steps", counters.steps).set("time_step", c.step).set("time_step_limit", c.step_limit);
   json.set("particle_distance", c.particle_distance).set("support", c.support).set("sound_speed", c.sound_speed);
   json.set("water_particles", now_.particles).set("particles", totals[6]);
   json.set("removed_at_start", simulation_.removed_at_start());

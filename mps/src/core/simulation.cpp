@@ -216,6 +216,7 @@ void Simulation::evaluate_forces(double time) {
   {
     const Timer timer(phases_, Phase::forces);
     accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
+    friction_.apply(particles_, neighbours_, time, acceleration_, reaction_);
   }
   const Timer timer(phases_, Phase::bodies);
   if (bodies_) load_ = bodies_->partial_loads(particles_, reaction_);
@@ -284,6 +285,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       constants_(constants_of(scene)),
       walls_(scene, scene.dimension, constants_.layers),
       decomposition_(comm, constants_.periodic),
+      friction_(scene, constants_, walls_),
       guard_(scene, constants_),
       halo_(comm),
       neighbours_(scene.dimension, constants_.support + constants_.skin),

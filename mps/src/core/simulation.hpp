@@ -10,6 +10,7 @@
 #include "core/constants.hpp"
 #include "core/decomposition.hpp"
 #include "core/displacements.hpp"
+#include "core/friction.hpp"
 #include "core/guard.hpp"
 #include "core/halo.hpp"
 #include "core/neighbours.hpp"
@@ -113,6 +114,7 @@ class Simulation {
   Constants constants_;
   Walls walls_;
   Decomposition decomposition_;
+  Friction friction_;
   Guard guard_;
   Halo halo_;
   Neighbours neighbours_;

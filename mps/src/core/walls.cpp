@@ -107,6 +107,41 @@ bool Walls::separates(const ThinWall& wall, const double* a, const double* b, in
   return true;
 }
 
+Walls::Distances Walls::distances(int wall, std::int32_t side, const Vec3d& moved, const double* point,
+                                  const double* water, const Periodic& periodic) const {
+  const BoxRegion& region = walls_[wall].region;
+  Vec3d b{}, w{};  // in the frame of the wall at the start
+  for (int c = 0; c < dimension_; ++c) {
+    b[c] = point[c] - moved[c];
+    w[c] = water[c] - moved[c];
+    const double middle = 0.5 * (region.lower[c] + region.upper[c]);
+    const double image = periodic.nearest(c, b[c] - middle) - (b[c] - middle);
+    b[c] += image;
+    w[c] += image;
+  }
+  if (side != both) {
+    const int axis = thin_axis_[wall];
+    return side > 0 ? Distances{region.upper[axis] - b[axis], w[axis] - region.upper[axis]}
+                    : Distances{b[axis] - region.lower[axis], region.lower[axis] - w[axis]};
+  }
+  // The place on the surface nearest to the one of the two that lies outside of the convex box: the plane through it
+  // has all of the other medium on its far side.
+  const bool tank = walls_[wall].kind == Wall::Kind::tank;
+  const Vec3d& from = tank ? b : w;
+  Vec3d foot = from;
+  double square = 0;
+  for (int c = 0; c < dimension_; ++c) {
+    const bool endless = periodic.in(c) && region.upper[c] - region.lower[c] > periodic.length[c] - particle_distance_;
+    if (!endless) foot[c] = std::clamp(from[c], region.lower[c], region.upper[c]);
+    square += (from[c] - foot[c]) * (from[c] - foot[c]);
+  }
+  const double distance = std::sqrt(square);
+  if (distance == 0) return {0, 0};
+  double beyond = 0;  // of the other one, behind the plane
+  for (int c = 0; c < dimension_; ++c) beyond += (foot[c] - (tank ? w : b)[c]) * (from[c] - foot[c]) / distance;
+  return tank ? Distances{distance, beyond} : Distances{beyond, distance};
+}
+
 std::vector<Walls::Point> Walls::points(int wall) const {
   return walls_[wall].kind == Wall::Kind::tank ? tank_points(walls_[wall]) : box_points(walls_[wall]);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/particles.hpp"
+#include "core/periodic.hpp"
 #include "scene/scene.hpp"
 
 namespace embacle::mps {
@@ -49,6 +50,13 @@ class Walls {
     std::int32_t side;
   };
   [[nodiscard]] std::vector<Point> points(int wall) const;
+  /// Distances [m] of a point of a wall and of water from the wall's surface, both along its normal there.
+  struct Distances {
+    double point, water;
+  };
+  /// `moved`: the wall's present displacement; `side`: of the point (see WallSide). Both places may be images.
+  [[nodiscard]] Distances distances(int wall, std::int32_t side, const Vec3d& moved, const double* point,
+                                    const double* water, const Periodic& periodic) const;
   /// Index into thin_walls() of each wall, or -1.
   [[nodiscard]] int thin_index(int wall) const { return thin_index_[wall]; }
   [[nodiscard]] const Wall& definition(int wall) const { return walls_[wall]; }

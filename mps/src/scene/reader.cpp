@@ -280,6 +280,10 @@ class Reader {
       wrong_type(node, path, key, &out);
   }
 
+  void read_value(const toml::node& node, const std::string& path, const Key& key, std::optional<bool>& out) {
+    read_value(node, path, key, out.emplace());
+  }
+
   void read_value(const toml::node& node, const std::string& path, const Key& key, std::string& out) {
     const auto text = read_text(node, path, key, &out);
     if (!text) return;

@@ -246,17 +246,35 @@ class Rules {
         context_.report({path + ".open"}, "a 2-D tank has no sides in z; allowed: x-, x+, y-, y+");
     }
     if (wall.motion) check_motion(path + ".motion", *wall.motion);
+    check_friction(path, wall);
+  }
+
+  /// Water without viscosity slips along everything.
+  void check_friction(const std::string& path, const Wall& wall) {
+    const std::string surface = path + ".motion.surface_velocity";
+    if (context_.given(surface) && wall.slip.value_or(false))
+      context_.report({path + ".slip", surface},
+                      "a wall with a velocity of its surface drags the water: leave out one");
+    if (scene_.fluid.kinematic_viscosity > 0 || !context_.sound("fluid.kinematic_viscosity")) return;
+    const char* const viscosity =
+        "needs a viscosity, and fluid.kinematic_viscosity is zero; leave it out, or state one";
+    if (!wall.slip.value_or(true)) context_.report({path + ".slip", "fluid.kinematic_viscosity"}, viscosity);
+    if (context_.given(surface)) context_.report({surface, "fluid.kinematic_viscosity"}, viscosity);
   }
 
   void check_motion(const std::string& path, const Motion& motion) {
     const bool has_table = context_.given(path + ".table");
     const bool has_velocity = context_.given(path + ".velocity");
-    if (has_table == has_velocity)
-      context_.report({has_table ? path + ".table" : path}, has_table
-                                                                ? "a motion has either a table or a velocity, not both"
-                                                                : "needs a velocity or a table");
+    const bool has_surface = context_.given(path + ".surface_velocity");
+    const int kinds = (has_table ? 1 : 0) + (has_velocity ? 1 : 0) + (has_surface ? 1 : 0);
+    if (kinds != 1)
+      context_.report({has_table     ? path + ".table"
+                       : has_surface ? path + ".surface_velocity"
+                                     : path},
+                      kinds > 1 ? "a motion has either a table or a velocity, of the wall or of its surface, not both"
+                                : "needs a velocity, a surface_velocity or a table");
     for (const char* key : {".start", ".stop"})
-      if (has_table && !has_velocity && context_.given(path + key))
+      if (has_table && kinds == 1 && context_.given(path + key))
         context_.report({path + key},
                         "belongs to a motion by velocity, and this one has a table, which says when; leave it out");
     if (!has_table && motion.stop <= motion.start)

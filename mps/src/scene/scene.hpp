@@ -28,14 +28,18 @@ enum class KernelKind { wendland, rational };
 enum class Scheme { serial, parallel };
 enum class GaugeKind { level, pressure, front };
 
-/// Prescribed motion of a wall: constant velocity between start and stop, or a table of displacement.
+/// Prescribed motion of a wall: constant velocity, of the wall or of its surface, between start and stop, or a table of
+/// displacement.
 struct Motion {
   Vec3d velocity{};                                       ///< [m/s]
   double start = 0;                                       ///< [s]
   double stop = std::numeric_limits<double>::infinity();  ///< [s]
+  /// Alternatively, of a wall that stays where it is: velocity of its surface, as of a belt or a lid [m/s].
+  Vec3d surface_velocity{};
   /// Alternatively: rows of (time [s], displacement [m] in x, y, z), linearly interpolated, held outside.
   std::vector<std::pair<double, Vec3d>> table;
 
+  /// Whether the wall changes its place.
   [[nodiscard]] bool moves() const { return !table.empty() || velocity != Vec3d{}; }
 };
 
@@ -47,6 +51,8 @@ struct Wall {
   BoxRegion region;               ///< inner faces of a tank, outer faces of a box [m]
   std::vector<std::string> open;  ///< of a tank: "x-", "x+", "y-", "y+", "z-", "z+"
   std::optional<Motion> motion;
+  /// Whether the water slips along it where the fluid has a viscosity; unset: see docs/numerics.md.
+  std::optional<bool> slip;
   int line = 0;  ///< line of the scene file, for messages
 };
 

@@ -187,12 +187,16 @@ Schema make_schema() {
                   .meaning = "sides of a tank that have no wall",
                   .choices = {"x-", "x+", "y-", "y+", "z-", "z+"}},
                  [](Wall& x) -> Target { return &x.open; }},
+                {{.name = "slip",
+                  .meaning = "whether the water slips along it; `false` needs a viscosity; see docs/numerics.md",
+                  .default_text = "mirrored velocities"},
+                 [](Wall& x) -> Target { return &x.slip; }},
             },
             {"motion"},
             true};
   s.motion = {
       "wall.motion",
-      "Prescribed motion of the wall it stands under: either `velocity` or `table`.",
+      "Prescribed motion of the wall it stands under: `velocity`, `table` or `surface_velocity`.",
       {
           {{.name = "velocity",
             .meaning = "constant velocity between `start` and `stop`",
@@ -207,6 +211,12 @@ Schema make_schema() {
             .range = not_negative,
             .default_text = "never"},
            [](Motion& x) -> Target { return &x.stop; }},
+          {{.name = "surface_velocity",
+            .meaning = "constant velocity of its surface between `start` and `stop`, as of a belt or a lid: the wall "
+                       "stays where it is and drags the water along by the viscosity, without slip",
+            .quantity = Q::speed,
+            .default_text = "none"},
+           [](Motion& x) -> Target { return &x.surface_velocity; }},
           {{.name = "table",
             .meaning =
                 "CSV file of the displacement over time, path relative to the scene file: a header line "
@@ -324,7 +334,8 @@ std::string type_text(const Key& key, const Target& target) {
   if (std::holds_alternative<std::vector<double>*>(target)) return "list of " + number;
   if (std::holds_alternative<std::vector<std::string>*>(target)) return "list of words";
   if (std::holds_alternative<int*>(target)) return "whole number";
-  if (std::holds_alternative<bool*>(target)) return "true or false";
+  if (std::holds_alternative<bool*>(target) || std::holds_alternative<std::optional<bool>*>(target))
+    return "true or false";
   if (std::holds_alternative<std::string*>(target)) return "text";
   if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target) ||
       std::holds_alternative<WaterTable*>(target))
@@ -377,6 +388,7 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
     }
     std::string operator()(const int*) const { return "a whole number, " + key.range.text(); }
     std::string operator()(const bool*) const { return "true or false"; }
+    std::string operator()(const std::optional<bool>*) const { return "true or false"; }
     std::string operator()(const std::string*) const {
       return key.label ? "a name in quotes, of letters, digits, _ and -" : "text in quotes";
     }

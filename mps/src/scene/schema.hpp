@@ -17,9 +17,9 @@ namespace embacle::mps {
 using MotionTable = std::vector<std::pair<double, Vec3d>>;
 
 /// Where a value goes; the type of the pointer is the type that the key expects.
-using Target = std::variant<double*, std::optional<double>*, Vec3d*, int*, bool*, std::string*, std::filesystem::path*,
-                            std::vector<double>*, std::vector<std::string>*, MotionTable*, KernelKind*, Scheme*,
-                            GaugeKind*, Wall::Kind*, Water::Kind*, WaterTable*>;
+using Target = std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
+                            std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*,
+                            KernelKind*, Scheme*, GaugeKind*, Wall::Kind*, Water::Kind*, WaterTable*>;
 
 /// Allowed interval of a number in SI; an open end is itself not allowed.
 struct Range {

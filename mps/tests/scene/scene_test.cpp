@@ -98,10 +98,14 @@ TEST(Read, FullScene) {
   EXPECT_EQ(table.rows[1].line, 3);
   EXPECT_NEAR(s.water[1].region.lower[0], 0.7 - 0.0025, 1e-15);
   EXPECT_NEAR(s.water[1].region.upper[0], 0.705 + 0.0025, 1e-15);
-  ASSERT_EQ(s.walls.size(), 3U);
+  ASSERT_EQ(s.walls.size(), 4U);
   EXPECT_EQ(s.walls[0].kind, Wall::Kind::tank);
   EXPECT_EQ(s.walls[0].open, std::vector<std::string>{"z+"});
   EXPECT_FALSE(s.walls[0].motion);
+  EXPECT_EQ(s.walls[0].slip, false);
+  EXPECT_FALSE(s.walls[1].slip.has_value());
+  EXPECT_EQ(s.walls[3].motion.value().surface_velocity, (Vec3d{0.1, 0, 0}));
+  EXPECT_FALSE(s.walls[3].motion->moves());
   EXPECT_EQ(s.walls[1].kind, Wall::Kind::box);
   EXPECT_EQ(s.walls[1].motion.value().velocity, (Vec3d{0, 0, 0.4}));
   EXPECT_EQ(s.walls[1].motion->start, 0.1);
@@ -273,8 +277,18 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"open = [\"z+\"]", "open = [\"x-\", \"x+\", \"y-\", \"y+\", \"z-\", \"z+\"]", "all sides are open"},
       {"kind = \"tank\"", "kind = \"box\"", "wall.tank.open: only a tank has open sides"},
       {"stop = \"0.7 s\"", "stop = \"0.1 s\"", "wall.gate.motion.stop: 0.1 s must be after start (0.1 s)"},
-      {"stop = \"0.7 s\"", "table = \"paddle.csv\"", "a motion has either a table or a velocity, not both"},
-      {"table = \"paddle.csv\"", "", "wall.paddle.motion: needs a velocity or a table"},
+      {"stop = \"0.7 s\"", "table = \"paddle.csv\"",
+       "wall.gate.motion.table: a motion has either a table or a velocity, of the wall or of its surface, not both"},
+      {"stop = \"0.7 s\"", "surface_velocity = [0, 0, 1]",
+       "wall.gate.motion.surface_velocity: a motion has either a table or a velocity, of the wall or of its surface"},
+      {"table = \"paddle.csv\"", "", "wall.paddle.motion: needs a velocity, a surface_velocity or a table"},
+      {"slip = false", "slip = 1", "wall.tank.slip: found number 1; allowed: true or false"},
+      {"kinematic_viscosity = \"1e-6 m2/s\"", "",
+       "wall.tank.slip: needs a viscosity, and fluid.kinematic_viscosity is zero"},
+      {"kinematic_viscosity = \"1e-6 m2/s\"", "",
+       "wall.belt.motion.surface_velocity: needs a viscosity, and fluid.kinematic_viscosity is zero"},
+      {"name = \"belt\"", "name = \"belt\"\nslip = true",
+       "wall.belt.slip: a wall with a velocity of its surface drags the water: leave out one"},
       {"table = \"paddle.csv\"", "table = \"paddle.csv\"\nstart = 1",
        "wall.paddle.motion.start: belongs to a motion by velocity"},
       {"checkpoint_every = 0", "checkpoint_every = 1",
@@ -469,7 +483,8 @@ TEST(Schema, AWrongUnitIsAnErrorForEveryKeyThatTakesNumbers) {
 TEST(Schema, AWrongTypeIsAnErrorForEveryKey) {
   for_each_key([&](const std::string& path, const Key& key, const Target& target) {
     if (key.label) return;  // not settable; in the file: see EachMistakeIsNamed
-    const std::string wrong = std::holds_alternative<bool*>(target) ? "1" : "true";
+    const bool truth = std::holds_alternative<bool*>(target) || std::holds_alternative<std::optional<bool>*>(target);
+    const std::string wrong = truth ? "1" : "true";
     const std::string message = message_of(scenes / "full.toml", {path + "=" + wrong});
     EXPECT_HAS(message, ": " + path + ": found ");
     EXPECT_HAS(message, "allowed: " + expectation(key, target, 3));
