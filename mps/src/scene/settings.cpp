@@ -34,6 +34,7 @@ struct Text {
   }
   std::string operator()(const int* x) const { return std::to_string(*x); }
   std::string operator()(const bool* x) const { return *x ? "true" : "false"; }
+  std::string operator()(const std::optional<bool>* x) const { return *x ? operator()(&**x) : "none"; }
   std::string operator()(const std::string* x) const { return *x; }
   std::string operator()(const std::filesystem::path* x) const { return x->string(); }
   std::string operator()(const std::vector<double>* x) const {
