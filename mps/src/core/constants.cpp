@@ -108,6 +108,7 @@ Constants constants_of(const Scene& scene) {
   c.laplacian_factor = 2.0 * c.dimension / c.lattice.weight_square;
   c.artificial_viscosity = scene.numerics.artificial_viscosity * c.sound_speed * c.particle_distance;
   c.density_diffusion = scene.numerics.density_diffusion * c.sound_speed * c.particle_distance;
+  c.shifting = scene.numerics.shifting;
   c.collision_distance = scene.numerics.collision_distance * c.particle_distance;
   c.collision_restitution = scene.numerics.collision_restitution;
   return c;

@@ -29,6 +29,7 @@ struct Constants {
   bool wall_friction = false;       ///< the viscous term of solids is that of Friction, not of accelerate()
   double artificial_viscosity = 0;  ///< alpha c0 l0 [m^2/s]
   double density_diffusion = 0;     ///< delta' c0 l0 [m^2/s]
+  double shifting = 0;              ///< strength of particle shifting, 1 as published
   double collision_distance = 0;    ///< [m]
   double collision_restitution = 0;
   LatticeSums lattice;

@@ -162,15 +162,19 @@ void Halo::assemble(const Particles& particles) {
   }
 }
 
-void Halo::update_motion(Particles& particles) { update(particles, 0, 6, true, true); }
-void Halo::update_water_state(Particles& particles) { update(particles, 6, 2, true, false); }
-void Halo::update_solid_pressure(Particles& particles) { update(particles, 6, 1, false, true); }
+void Halo::update_motion(Particles& particles) { update({particles.record.front().x, 8, 6, true, true, true}); }
+void Halo::update_water_state(Particles& particles) { update({&particles.record.front().p, 8, 2, true, false, false}); }
+void Halo::update_solid_pressure(Particles& particles) {
+  update({&particles.record.front().p, 8, 1, false, true, false});
+}
 
-void Halo::update(Particles& particles, int first, int width, bool water, bool solid) {
+void Halo::update(const Columns& columns) {
+  const int width = columns.width;
+  const bool water = columns.water, solid = columns.solid;
   std::vector<MPI_Request> requests;
   requests.reserve(2 * links_.size());
   const std::size_t bytes = width * sizeof(double);
-  const auto field = [&](std::size_t i) { return reinterpret_cast<double*>(&particles.record[i]) + first; };
+  const auto field = [&columns](std::size_t i) { return columns.first + i * columns.stride; };
   for (Link& link : links_) {
     const std::size_t incoming = (water ? link.receive_water : 0) + (solid ? link.receive_solid : 0);
     link.receive_buffer.resize(incoming * width);
@@ -183,10 +187,10 @@ void Halo::update(Particles& particles, int first, int width, bool water, bool s
     const std::size_t outgoing = (water ? link.send_water.size() : 0) + (solid ? link.send_solid.size() : 0);
     link.send_buffer.resize(outgoing * width);
     double* out = link.send_buffer.data();
-    const auto pack = [&](const std::vector<std::uint32_t>& list) {
+    const auto pack = [&, displaced = columns.positions && link.displaced](const std::vector<std::uint32_t>& list) {
       for (const std::uint32_t i : list) {
         std::memcpy(out, field(i), bytes);
-        if (link.displaced && first == 0) {
+        if (displaced) {
           for (int c = 0; c < 3; ++c) out[c] += link.shift[c];
         }
         out += width;

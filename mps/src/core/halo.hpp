@@ -35,6 +35,13 @@ class Halo {
   void update_water_state(Particles& particles);
   void update_solid_pressure(Particles& particles);
 
+  /// Rows of doubles that someone keeps for all particles: those of the water's ghosts.
+  template <class Row>
+  void update_water_rows(std::vector<Row>& rows) {
+    constexpr int width = sizeof(Row) / sizeof(double);
+    update({reinterpret_cast<double*>(rows.data()), width, width, true, false, false});
+  }
+
   [[nodiscard]] std::int64_t bytes_sent() const { return bytes_sent_; }
   [[nodiscard]] std::int64_t messages_sent() const { return messages_sent_; }
 
@@ -51,8 +58,14 @@ class Halo {
   /// Appends a traveller, displaced as the link asks, if it then lies within reach of the partner's box.
   static bool add_if_near(const Link& link, const Box& box, double reach, Traveller traveller,
                           std::vector<Traveller>& outgoing);
-  /// Copies `width` doubles a particle, from offset `first` of the record, of water and/or solid points.
-  void update(Particles& particles, int first, int width, bool water, bool solid);
+  /// What an update copies: `width` doubles of each particle, `stride` doubles apart from `first` on.
+  struct Columns {
+    double* first;
+    int stride, width;
+    bool water, solid;
+    bool positions;  ///< the first three are a position
+  };
+  void update(const Columns& columns);
 
   MPI_Comm comm_;
   std::vector<Nearby> partners_;

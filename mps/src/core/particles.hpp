@@ -17,25 +17,27 @@ struct alignas(64) Record {
   double s = 1;             ///< n/n0 = rho/rho0 [-]
 };
 
+/// Four rows of eight doubles (a cache line each) as columns.
+template <class Row>
+std::array<Pack, 8> load_columns(const Row* rows, const std::uint32_t* index) {
+  static_assert(sizeof(Row) == 8 * sizeof(double) && alignof(Row) == 64);
+  std::array<Pack, 8> c;
+  const auto row = [&](int lane, int half) { return *(reinterpret_cast<const Pack*>(rows + index[lane]) + half); };
+  for (int half = 0; half < 2; ++half) {
+    for (int lane = 0; lane < 4; ++lane) c[4 * half + lane] = row(lane, half);
+    transpose(c[4 * half], c[4 * half + 1], c[4 * half + 2], c[4 * half + 3]);
+  }
+  return c;
+}
+
 /// Four records as columns.
 struct RecordPack {
   Pack x, y, z, vx, vy, vz, p, s;
 };
 
 inline RecordPack load(const Record* records, const std::uint32_t* index) {
-  RecordPack pack;
-  const auto row = [&](int lane, int half) { return *(reinterpret_cast<const Pack*>(records + index[lane]) + half); };
-  pack.x = row(0, 0);
-  pack.y = row(1, 0);
-  pack.z = row(2, 0);
-  pack.vx = row(3, 0);
-  transpose(pack.x, pack.y, pack.z, pack.vx);
-  pack.vy = row(0, 1);
-  pack.vz = row(1, 1);
-  pack.p = row(2, 1);
-  pack.s = row(3, 1);
-  transpose(pack.vy, pack.vz, pack.p, pack.s);
-  return pack;
+  const auto c = load_columns(records, index);
+  return {c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
 }
 
 /// Identity of a particle.

@@ -10,6 +10,7 @@ namespace embacle::mps {
 enum class Phase {
   search,
   halo,
+  corrections,
   continuity,
   walls,
   forces,
@@ -22,8 +23,8 @@ enum class Phase {
 };
 
 inline constexpr std::array<const char*, static_cast<std::size_t>(Phase::count)> phase_names = {
-    "search",      "halo",   "continuity", "walls",  "forces",
-    "integration", "bodies", "coupling",   "output", "synchronisation"};
+    "search",      "halo",   "corrections", "continuity", "walls",          "forces",
+    "integration", "bodies", "coupling",    "output",     "synchronisation"};
 
 class Phases {
  public:

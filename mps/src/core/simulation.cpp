@@ -23,9 +23,17 @@ void Simulation::step(double share_of_window) {
   }
   synchronise();
   if (!lists_valid_) find_neighbours(time_ + constants_.step);
+  if (corrections_) {
+    const Timer timer(phases_, Phase::corrections);
+    corrections_->update(particles_, neighbours_, halo_, fastest_);
+  }
   {
     const Timer timer(phases_, Phase::continuity);
-    advance_density(particles_, neighbours_, constants_, density_rate_);
+    if (corrections_) {
+      corrections_->advance_density(particles_, neighbours_, density_rate_);
+    } else {
+      advance_density(particles_, neighbours_, constants_, density_rate_);
+    }
   }
   evaluate_forces(time_ + constants_.step);
   integrate_velocities();
@@ -95,12 +103,13 @@ void Simulation::synchronise() {
   const Timer timer(phases_, Phase::synchronisation);
   // Agreed by one reduction: whether any lists are stale, the lowest rank that has found a failure, the largest
   // request.
-  const double local[3] = {stale, failure_rank(), static_cast<double>(requested_)};
-  double global[3];
-  MPI_Allreduce(local, global, 3, MPI_DOUBLE, MPI_MAX, comm_);
+  const double local[4] = {stale, failure_rank(), static_cast<double>(requested_), own_fastest_};
+  double global[4];
+  MPI_Allreduce(local, global, 4, MPI_DOUBLE, MPI_MAX, comm_);
   if (global[1] > 0) report_failure(global[1]);
   agreed_request_ = static_cast<int>(global[2]);
   if (global[0] > 0) lists_valid_ = false;
+  fastest_ = global[3];
 }
 
 /// Zero without a failure; otherwise the larger, the lower the rank.
@@ -215,7 +224,11 @@ void Simulation::evaluate_forces(double time) {
   }
   {
     const Timer timer(phases_, Phase::forces);
-    accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
+    if (corrections_) {
+      corrections_->accelerate(particles_, neighbours_, acceleration_, reaction_);
+    } else {
+      accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
+    }
     friction_.apply(particles_, neighbours_, time, acceleration_, reaction_);
   }
   const Timer timer(phases_, Phase::bodies);
@@ -254,6 +267,11 @@ void Simulation::integrate_velocities() {
           inside ? "is unstable" : "left the domain", std::sqrt(square), constants_.sound_speed, record.s);
     }
   }
+  if (corrections_) {  // now, so that a step leaves nothing behind but the particles
+    for (std::size_t i = 0; i < particles_.water; ++i) {
+      for (int c = 0; c < 3; ++c) particles_.record[i].x[c] += constants_.step * corrections_->shift()[i][c];
+    }
+  }
   if (scene_.output.audit) {
     for (const Triple& a : acceleration_) {
       for (int c = 0; c < 3; ++c) window_momentum_change_[c] += constants_.particle_mass * constants_.step * a[c];
@@ -268,7 +286,8 @@ void Simulation::integrate_velocities() {
       for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
     }
   }
-  extremes_.speed = std::max(extremes_.speed, std::sqrt(speed_square));
+  own_fastest_ = std::sqrt(speed_square);
+  extremes_.speed = std::max(extremes_.speed, own_fastest_);
   extremes_.compression = std::max(extremes_.compression, compression);
   extremes_.pressure = std::max(extremes_.pressure, pressure);
   counters_.water_updates += static_cast<std::int64_t>(particles_.water);
@@ -291,6 +310,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       neighbours_(scene.dimension, constants_.support + constants_.skin),
       displacements_(constants_.support, constants_.skin),
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
+  if (scene.numerics.regularisation == Regularisation::shifting) corrections_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
   if (restart != nullptr) {
     restore(*restart);
@@ -435,7 +455,8 @@ std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
          wall_points_.capacity() * sizeof(Traveller) +
          (acceleration_.capacity() + reaction_.capacity()) * sizeof(Triple) + displacements_.bytes() +
-         density_rate_.capacity() * sizeof(double) + (bodies_ ? bodies_->bytes() : 0);
+         density_rate_.capacity() * sizeof(double) + (bodies_ ? bodies_->bytes() : 0) +
+         (corrections_ ? corrections_->bytes() : 0);
 }
 
 }  // namespace embacle::mps

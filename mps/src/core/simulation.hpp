@@ -8,6 +8,7 @@
 
 #include "core/bodies.hpp"
 #include "core/constants.hpp"
+#include "core/corrections.hpp"
 #include "core/decomposition.hpp"
 #include "core/displacements.hpp"
 #include "core/friction.hpp"
@@ -124,6 +125,7 @@ class Simulation {
   /// last build; in place of the velocity: the position at time zero.
   std::vector<Traveller> wall_points_;
   std::optional<Bodies> bodies_;
+  std::optional<Corrections> corrections_;
   int steps_per_window_ = 1;
 
   std::vector<double> density_rate_;
@@ -135,6 +137,8 @@ class Simulation {
   bool anywhere_ = true;  ///< the next migration follows a new decomposition
   double time_ = 0;
   double imbalance_ = 1;
+  double own_fastest_ = 0;  ///< largest speed of the own water [m/s]
+  double fastest_ = 0;      ///< of all water, in the step before
   std::int64_t removed_at_start_ = 0;
   bool started_ = false;
   std::int64_t earlier_steps_ = 0;

@@ -23,6 +23,8 @@ struct BoxRegion {
 };
 
 enum class KernelKind { wendland, rational };
+/// What keeps particles in order.
+enum class Regularisation { collision, shifting };
 /// Default support in particle distances.
 [[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
 enum class Scheme { serial, parallel };
@@ -108,6 +110,8 @@ struct Numerics {
   double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;
   double density_diffusion = 0.15;  ///< delta' of notes: coefficient of c0 l0
+  Regularisation regularisation = Regularisation::collision;
+  double shifting = 1;              ///< strength
   double collision_distance = 0.9;  ///< in l0; 0 leaves the collision out
   double collision_restitution = 0.5;
   double skin = 0.3;                 ///< of the neighbour list, in l0

@@ -104,8 +104,18 @@ Schema make_schema() {
                       .meaning = "coefficient of the density diffusion, in sound speed times l0",
                       .range = between(0, 1)},
                      [](Numerics& x) -> Target { return &x.density_diffusion; }},
+                    {{.name = "regularisation",
+                      .meaning = "what keeps the particles in order: `collision` of those that come too near, or "
+                                 "`shifting` with corrected operators, for internal flow",
+                      .choices = {"collision", "shifting"}},
+                     [](Numerics& x) -> Target { return &x.regularisation; }},
+                    {{.name = "shifting",
+                      .meaning = "strength of the shifting; needs `regularisation = \"shifting\"`",
+                      .range = between(0, 5)},
+                     [](Numerics& x) -> Target { return &x.shifting; }},
                     {{.name = "collision_distance",
-                      .meaning = "particles nearer than this, in l0, collide; 0 leaves the collision out",
+                      .meaning = "particles nearer than this, in l0, collide (with shifting: those near the free "
+                                 "surface); 0 leaves the collision out",
                       .range = between(0, 1)},
                      [](Numerics& x) -> Target { return &x.collision_distance; }},
                     {{.name = "collision_restitution",
@@ -353,12 +363,7 @@ std::string default_text(const Key& key, const Target& target) {
   if (const auto* vector = std::get_if<Vec3d*>(&target))
     return "[" + number_text((**vector)[0]) + ", " + number_text((**vector)[1]) + ", " + number_text((**vector)[2]) +
            "]";
-  std::size_t choice = key.choices.size();
-  if (const auto* kernel = std::get_if<KernelKind*>(&target)) choice = static_cast<std::size_t>(**kernel);
-  if (const auto* scheme = std::get_if<Scheme*>(&target)) choice = static_cast<std::size_t>(**scheme);
-  if (const auto* gauge = std::get_if<GaugeKind*>(&target)) choice = static_cast<std::size_t>(**gauge);
-  if (const auto* wall = std::get_if<Wall::Kind*>(&target)) choice = static_cast<std::size_t>(**wall);
-  if (const auto* water = std::get_if<Water::Kind*>(&target)) choice = static_cast<std::size_t>(**water);
+  const std::size_t choice = choice_of(target).value_or(key.choices.size());
   return choice < key.choices.size() ? "`" + key.choices[choice] + "`" : "none";
 }
 
@@ -403,11 +408,7 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
     std::string operator()(const WaterTable*) const {
       return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
-    std::string operator()(const KernelKind*) const { return choices; }
-    std::string operator()(const Scheme*) const { return choices; }
-    std::string operator()(const GaugeKind*) const { return choices; }
-    std::string operator()(const Wall::Kind*) const { return choices; }
-    std::string operator()(const Water::Kind*) const { return choices; }
+    std::string operator()(const void*) const { return choices; }  // enumerations
   };
   return std::visit(Describe{key, choices, quantity, dimension}, target);
 }

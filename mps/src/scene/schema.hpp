@@ -19,7 +19,17 @@ using MotionTable = std::vector<std::pair<double, Vec3d>>;
 /// Where a value goes; the type of the pointer is the type that the key expects.
 using Target = std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
                             std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*,
-                            KernelKind*, Scheme*, GaugeKind*, Wall::Kind*, Water::Kind*, WaterTable*>;
+                            KernelKind*, Regularisation*, Scheme*, GaugeKind*, Wall::Kind*, Water::Kind*, WaterTable*>;
+
+/// Index of the word that an enumeration stands for; nothing for other values.
+[[nodiscard]] inline std::optional<std::size_t> choice_of(const Target& target) {
+  return std::visit(
+      [](const auto* value) -> std::optional<std::size_t> {
+        if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(*value)>>) return static_cast<std::size_t>(*value);
+        return std::nullopt;
+      },
+      target);
+}
 
 /// Allowed interval of a number in SI; an open end is itself not allowed.
 struct Range {

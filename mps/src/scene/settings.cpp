@@ -75,12 +75,8 @@ struct Text {
 
 /// The word of an enumeration where the key has one, else the value's text.
 std::string value_text(const Key& key, const Target& target) {
-  const std::string text = std::visit(Text{}, target);
-  const bool word = std::holds_alternative<KernelKind*>(target) || std::holds_alternative<Scheme*>(target) ||
-                    std::holds_alternative<GaugeKind*>(target) || std::holds_alternative<Wall::Kind*>(target) ||
-                    std::holds_alternative<Water::Kind*>(target);
-  const std::size_t index = word ? std::stoul(text) : key.choices.size();
-  return index < key.choices.size() ? key.choices[index] : text;
+  const auto choice = choice_of(target);
+  return choice && *choice < key.choices.size() ? key.choices[*choice] : std::visit(Text{}, target);
 }
 
 template <class T>
