@@ -205,6 +205,8 @@ std::string explain_report(const Scene& scene) {
   module(scene.output.fields, "fields (HDF5)", "at output times");
   module(!scene.gauges.empty(), "gauges", "a reduction each, at their times");
   module(scene.output.audit, "conservation audit", "a reduction a window");
+  module(scene.output.checkpoint_every > 0 || scene.output.checkpoint_wall > 0, "checkpoints (HDF5)",
+         "at their times: 112 bytes a particle and wall point, down to the disk");
   std::string report = "uses\n" + used;
   if (!left.empty()) report += "leaves out (no memory, no time, no messages)\n" + left;
   if (!scene.coupled()) report += "coupling messages: none; body arrays: none\n";

@@ -22,7 +22,7 @@ void add_water(CheckpointContent& content, const Particles& particles) {
   std::vector<std::int64_t> identity;
   state.reserve(record_width * particles.water);
   for (std::size_t i = 0; i < particles.water; ++i) {
-    const double* record = particles.record[i].x;  // the first of the record's doubles
+    const auto* record = reinterpret_cast<const double*>(&particles.record[i]);
     state.insert(state.end(), record, record + record_width);
     identity.push_back(particles.identity[i].id);
   }
@@ -37,7 +37,7 @@ std::vector<Traveller> read_water(const CheckpointReader& checkpoint, std::int64
   checkpoint.read("water_identity", first, count, identity);
   std::vector<Traveller> result(count);
   for (std::int64_t i = 0; i < count; ++i) {
-    std::copy_n(&state[record_width * i], record_width, result[i].record.x);
+    std::copy_n(&state[record_width * i], record_width, reinterpret_cast<double*>(&result[i].record));
     result[i].identity.id = identity[i];
   }
   return result;
