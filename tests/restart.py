@@ -148,7 +148,7 @@ class Continuing(RestartTest):
 class KilledTest(RestartTest):
     """Kills of which half come at any moment of a program's life, half amid the frequent checkpoints."""
 
-    OPTIONS = ("--set", "run.end_time=0.4 s", "--set", "numerics.particle_distance=1 cm",
+    OPTIONS = ("--set", "run.end_time=0.2 s", "--set", "numerics.particle_distance=1 cm",
                "--set", "output.checkpoint_every=1 ms")
     LOST = 1e-3 + 1e-3 + 2e-4  # [s] between two checkpoints, two rows of the gauges, and a step
 
@@ -166,7 +166,7 @@ class KilledTest(RestartTest):
         before = self.identity_of_checkpoint()
         if late:
             self.wait_for(lambda: self.identity_of_checkpoint() != before or process.poll() is not None, process)
-        time.sleep(self.chance.uniform(0, 0.1 if late else 0.3))
+        time.sleep(self.chance.uniform(0, 0.1 if late else 0.5))
 
     def judge_what_is_left(self):
         """Whether there is a checkpoint; it must be whole, and not older than it may be."""
