@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Ellipse, Polygon, Rectangle
 
 from run_folder import Bodies, Frames, RunFolderError, body_names, program, read_shapes, up_axis, wall_box
 
@@ -182,6 +182,22 @@ def draw_water(axes, scene, view, position, value, norm, depths):
         axes.scatter(points[chosen, 0], points[chosen, 1], s=size, c=colours[chosen], linewidths=0, zorder=9 + 2 * k)
 
 
+def wall_patch(wall, view, lower, upper, time):
+    """The outline of a solid wall: its true one along the axis of a cylinder or prism, otherwise the box around it."""
+    look = {"facecolor": GATE + "80", "edgecolor": "#333333", "linewidth": 0.7, "zorder": 9400}
+    along = "axis" in wall and abs(view.axes[2][wall["axis"]]) > 0.5
+    if wall["kind"] == "sphere" or (wall["kind"] == "cylinder" and along):
+        return Ellipse((lower + upper)[:2] / 2, *(upper - lower)[:2], **look)
+    if wall["kind"] == "prism" and along:
+        place, _ = wall_box(wall, time)
+        corners = np.tile(place, (len(wall["polygon"]), 1))
+        across = [k for k in range(3) if k != wall["axis"]]
+        corners[:, across] = np.array([row["point"] for row in wall["polygon"]]) + place[across] - np.array(
+            wall["lower"])[across]
+        return Polygon(view(corners)[:, :2], **look)
+    return Rectangle(lower[:2], *(upper - lower)[:2], **look)
+
+
 def draw_walls(axes, scene, view, time):
     for wall in scene.shapes.get("walls", []):
         lower, upper = view.box(*wall_box(wall, time))
@@ -194,8 +210,7 @@ def draw_walls(axes, scene, view, time):
                 x, y = x + [lower[0]], y + [upper[1]]
             axes.plot(x, y, color="#222222", linewidth=1.4, solid_joinstyle="miter", zorder=9500)
         else:
-            axes.add_patch(Rectangle(lower[:2], *(upper - lower)[:2], facecolor=GATE + "80", edgecolor="#333333",
-                                     linewidth=0.7, zorder=9400))
+            axes.add_patch(wall_patch(wall, view, lower, upper, time))
 
 
 def frame_axes(axes, scene, view):

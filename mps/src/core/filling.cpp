@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "embacle/coupling/types.hpp"
 
@@ -20,14 +21,125 @@ std::vector<double> exact_lattice(double lower, double upper, double spacing, do
   return centres;
 }
 
-bool inside_box_wall(const Scene& scene, const double* x) {
-  return std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall& wall) {
-    if (wall.kind != Wall::Kind::box) return false;
+/// Inside of a wall other than a tank.
+bool inside_wall(const Scene& scene, const Walls& walls, const double* x) {
+  for (int w = 0; w < walls.count(); ++w) {
+    const Wall& wall = scene.walls[w];
+    if (wall.kind == Wall::Kind::tank) continue;
+    bool inside = true;
     for (int c = 0; c < scene.dimension; ++c) {
-      if (x[c] <= wall.region.lower[c] || x[c] >= wall.region.upper[c]) return false;
+      inside = inside && x[c] > wall.region.lower[c] && x[c] < wall.region.upper[c];
     }
-    return true;
+    if (inside && (walls.solid(w) == nullptr || walls.solid(w)->distance(x) < 0)) return true;
+  }
+  return false;
+}
+
+/// Moves a site that is less than half a particle distance from a wall of other form than a box out to that distance.
+void keep_off(const Walls& walls, double spacing, double* x) {
+  for (int w = 0; w < walls.count(); ++w) {
+    if (walls.solid(w) == nullptr) continue;
+    Vec3d normal{};
+    const double distance = walls.solid(w)->distance(x, &normal);
+    if (distance >= 0.5 * spacing) continue;
+    for (int c = 0; c < 3; ++c) x[c] += (0.5 * spacing - distance) * normal[c];
+  }
+}
+
+/// Beyond a closed side of a tank.
+bool outside_tank(const Scene& scene, const double* x) {
+  return std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall& wall) {
+    if (wall.kind != Wall::Kind::tank) return false;
+    const auto closed = [&](int c, char sign) {
+      return std::find(wall.open.begin(), wall.open.end(), std::string{"xyz"[c], sign}) == wall.open.end();
+    };
+    for (int c = 0; c < scene.dimension; ++c) {
+      if ((x[c] < wall.region.lower[c] && closed(c, '-')) || (x[c] > wall.region.upper[c] && closed(c, '+')))
+        return true;
+    }
+    return false;
   });
+}
+
+/// The sites of a lattice that water takes: those in its form and in no wall, and with a place to fill from only those
+/// connected with it.
+class Sites {
+ public:
+  Sites(const Scene& scene, const Walls& walls, const Water& water, const std::vector<double> (&lattice)[3])
+      : nx_(lattice[0].size()), ny_(lattice[1].size()) {
+    std::optional<Solid> form;
+    if (water.form.kind != Form::Kind::none) form.emplace(water.form, scene.dimension);
+    taken_.reserve(nx_ * ny_ * lattice[2].size());
+    for (const double z : lattice[2]) {
+      for (const double y : lattice[1]) {
+        for (const double x : lattice[0]) {
+          const double place[3] = {x, y, z};
+          const bool in_form = !form || form->distance(place) < 0;
+          in_form_ += in_form ? 1 : 0;
+          const bool inside = in_form && !inside_wall(scene, walls, place);
+          taken_.push_back(inside && !(water.fill_from && outside_tank(scene, place)) ? 1 : 0);
+        }
+      }
+    }
+    if (form) misfit_ = in_form_ * std::pow(scene.numerics.particle_distance, scene.dimension) / form->volume() - 1;
+    if (water.fill_from) keep_connected(scene, water, lattice);
+  }
+  [[nodiscard]] bool taken(std::size_t site) const { return taken_[site] != 0; }
+  /// By how much of its volume the lattice exceeds the form.
+  [[nodiscard]] double misfit() const { return misfit_; }
+
+ private:
+  void keep_connected(const Scene& scene, const Water& water, const std::vector<double> (&lattice)[3]) {
+    const double l0 = scene.numerics.particle_distance;
+    std::size_t at[3] = {0, 0, 0};
+    bool found = !taken_.empty();
+    for (int c = 0; found && c < scene.dimension; ++c) {
+      const double offset = ((*water.fill_from)[c] - lattice[c].front()) / l0 + 0.5;
+      found = offset >= 0 && offset < static_cast<double>(lattice[c].size());
+      if (found) at[c] = static_cast<std::size_t>(offset);
+    }
+    const std::size_t seed = (at[2] * ny_ + at[1]) * nx_ + at[0];
+    if (!found || taken_[seed] == 0) {
+      throw coupling::InputError(
+          fmt::format("{}:{}: water.{}.fill_from: there is no room for water at this place; allowed: a "
+                      "place within its box or form, and in no wall",
+                      scene.file.string(), water.line, water.name));
+    }
+    std::vector<char> reached(taken_.size(), 0);
+    std::vector<std::size_t> open{seed};
+    reached[seed] = 1;
+    const std::size_t slice = nx_ * ny_;
+    while (!open.empty()) {
+      const std::size_t site = open.back();
+      open.pop_back();
+      const auto visit = [&](bool there, std::size_t other) {
+        if (!there || taken_[other] == 0 || reached[other] != 0) return;
+        reached[other] = 1;
+        open.push_back(other);
+      };
+      const std::size_t x = site % nx_, y = site % slice / nx_;
+      visit(x > 0, site - 1);
+      visit(x + 1 < nx_, site + 1);
+      visit(y > 0, site - nx_);
+      visit(y + 1 < ny_, site + nx_);
+      visit(site >= slice, site - slice);
+      visit(site + slice < taken_.size(), site + slice);
+    }
+    taken_ = std::move(reached);
+  }
+
+  std::size_t nx_, ny_;
+  std::vector<char> taken_;
+  double in_form_ = 0;
+  double misfit_ = 0;
+};
+
+/// Lattice of the particle distance about the middle of a form, wide enough for it.
+std::vector<double> centred_lattice(double lower, double upper, double spacing) {
+  const int n = std::max(1, static_cast<int>(std::ceil((upper - lower) / spacing - 1e-6)));
+  std::vector<double> centres(n);
+  for (int i = 0; i < n; ++i) centres[i] = 0.5 * (lower + upper) + (i + 0.5 - 0.5 * n) * spacing;
+  return centres;
 }
 
 /// Depth [m] of x below the level of a region, along gravity.
@@ -83,15 +195,15 @@ struct Share {
   [[nodiscard]] bool next_row_is_mine() { return row++ % size == rank; }
 };
 
-void fill_from_table(const Scene& scene, const Constants& constants, const Water& water, Share& share,
-                     InitialParticles& result) {
+void fill_from_table(const Scene& scene, const Constants& constants, const Walls& walls, const Water& water,
+                     Share& share, InitialParticles& result) {
   const Depth depth(scene, water);
   std::size_t within_walls = 0;
   for (const WaterTable::Row& row : water.table.rows) {
     const bool mine = share.next_row_is_mine();
     Traveller traveller;
     std::copy(row.position.begin(), row.position.end(), traveller.record.x);
-    if (inside_box_wall(scene, traveller.record.x)) {
+    if (inside_wall(scene, walls, traveller.record.x)) {
       ++within_walls;
       continue;
     }
@@ -119,13 +231,17 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
   Share share{rank, size};
   for (const Water& water : scene.water) {
     if (water.kind == Water::Kind::table) {
-      fill_from_table(scene, constants, water, share, result);
+      fill_from_table(scene, constants, walls, water, share, result);
       continue;
     }
     std::vector<double> lattice[3] = {{0.0}, {0.0}, {0.0}};
     bool fits = true;
     for (int c = 0; c < scene.dimension; ++c) {
       double misfit = 0;
+      if (water.form.kind != Form::Kind::none) {
+        lattice[c] = centred_lattice(water.region.lower[c], water.region.upper[c], constants.particle_distance);
+        continue;
+      }
       lattice[c] = exact_lattice(water.region.lower[c], water.region.upper[c], constants.particle_distance, misfit);
       fits = fits && std::abs(misfit) < 0.02 * constants.particle_distance;
     }
@@ -142,15 +258,23 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
     }
     if (count == 0) continue;
     const Depth depth(scene, water);
+    const Sites sites(scene, walls, water, lattice);
+    if (std::abs(sites.misfit()) > 0.02) {
+      result.warnings.push_back(fmt::format("{}:{}: water '{}' is coarse for its form: volume {:+.1f} %",
+                                            scene.file.filename().string(), water.line, water.name,
+                                            100 * sites.misfit()));
+    }
+    std::size_t site = 0;
     for (const double z : lattice[2]) {
       for (const double y : lattice[1]) {
         const bool mine = share.next_row_is_mine();
         for (const double x : lattice[0]) {
           Traveller traveller;
           traveller.record = {{x, y, z}, {water.velocity[0], water.velocity[1], water.velocity[2]}, 0, 1};
-          if (inside_box_wall(scene, traveller.record.x)) continue;
+          if (!sites.taken(site++)) continue;
           traveller.identity.id = share.id++;
           if (!mine) continue;
+          keep_off(walls, constants.particle_distance, traveller.record.x);
           traveller.record.p = depth.pressure(traveller.record.x, constants.density);
           traveller.record.s = density_ratio_of(traveller.record.p, constants);
           result.water.push_back(traveller);

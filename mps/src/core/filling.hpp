@@ -17,9 +17,9 @@ struct InitialParticles {
   std::vector<std::string> warnings;
 };
 
-/// Fills the water regions on the lattice of the particle distance, or takes the particles of their tables, less what
-/// lies in box walls, with hydrostatic pressure below each region's level unless a table has pressures; and the walls.
-/// Rank `rank` of `size` generates its share only. Throws InputError for pressures beyond the equation of state.
+/// Fills boxes and other forms of water on lattices of the particle distance, or takes the particles of their tables,
+/// less what lies in walls, with hydrostatic pressure below each region's level unless a table has pressures; and the
+/// walls. Rank `rank` of `size` generates its share only. Throws InputError for pressures beyond the equation of state.
 [[nodiscard]] InitialParticles fill(const Scene& scene, const Constants& constants, const Walls& walls, int rank,
                                     int size);
 /// A rank's share of the walls' points, at time zero.

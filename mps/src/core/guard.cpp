@@ -13,17 +13,24 @@ constexpr double guarded_distance = 0.3;  ///< in particle distances
 /// Frequency of the spring, in c0/l0: stiff against any pressure of the flow, soft for the time step.
 constexpr double spring_frequency = 0.2;
 
+Vec3d axis_normal(int axis, double sign) {
+  Vec3d normal{};
+  normal[axis] = sign;
+  return normal;
+}
+
 }  // namespace
 
-Guard::Guard(const Scene& scene, const Constants& constants)
+Guard::Guard(const Scene& scene, const Constants& constants, const Walls& walls)
     : constants_(constants),
+      walls_(walls),
       scene_(scene),
       distance_(guarded_distance * constants.particle_distance),
       stiffness_(std::pow(spring_frequency * constants.sound_speed / constants.particle_distance, 2)) {
   for (int w = 0; w < static_cast<int>(scene.walls.size()); ++w) {
     const Wall& wall = scene.walls[w];
-    if (wall.kind == Wall::Kind::box) {
-      boxes_.push_back(w);
+    if (wall.kind != Wall::Kind::tank) {
+      (wall.kind == Wall::Kind::box ? boxes_ : solids_).push_back(w);
       continue;
     }
     for (int axis = 0; axis < scene.dimension; ++axis) {
@@ -55,13 +62,17 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     const Vec3d before = displacement(*motion, time - step);
     for (int c = 0; c < 3; ++c) poses[w].velocity[c] = (poses[w].moved[c] - before[c]) / step;
   }
-  const auto push_from_wall = [&](std::size_t i, int axis, double sign, double distance, double approach) {
+  const auto push_from_wall = [&](std::size_t i, const Vec3d& normal, double distance, double approach) {
     double value = push(distance, approach);
     // Whatever else acts on the particle, the next step must not end behind the wall.
-    const double next = distance + step * (approach + step * (sign * acceleration[i][axis] + value));
+    double outward = value;
+    for (int c = 0; c < 3; ++c) outward += normal[c] * acceleration[i][c];
+    const double next = distance + step * (approach + step * outward);
     if (next < 0) value -= next / (step * step);
-    acceleration[i][axis] += sign * value;
-    wall_reaction[axis] -= constants_.particle_mass * sign * value;
+    for (int c = 0; c < 3; ++c) {
+      acceleration[i][c] += value * normal[c];
+      wall_reaction[c] -= constants_.particle_mass * value * normal[c];
+    }
   };
   for (std::size_t i = 0; i < particles.water; ++i) {
     const NeighbourRange range = neighbours.of_water(i);
@@ -85,7 +96,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       const double distance = face.sign * (record.x[face.axis] - face.place - pose.moved[face.axis]);
       if (distance >= distance_ || distance < -constants_.support) continue;
       const double approach = face.sign * (record.v[face.axis] - pose.velocity[face.axis]);
-      push_from_wall(i, face.axis, face.sign, distance, approach);
+      push_from_wall(i, axis_normal(face.axis, face.sign), distance, approach);
     }
     for (const int w : boxes_) {
       const BoxRegion& box = scene_.walls[w].region;
@@ -109,7 +120,23 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       }
       if (axis < 0 || nearest >= distance_) continue;
       const double approach = sign * (record.v[axis] - poses[w].velocity[axis]);
-      push_from_wall(i, axis, sign, nearest, approach);
+      push_from_wall(i, axis_normal(axis, sign), nearest, approach);
+    }
+    for (const int w : solids_) {
+      const BoxRegion& region = scene_.walls[w].region;
+      Vec3d place{}, normal{};
+      bool near = true;
+      for (int c = 0; c < scene_.dimension; ++c) {
+        const double middle = 0.5 * (region.lower[c] + region.upper[c]);
+        place[c] = middle + constants_.periodic.nearest(c, record.x[c] - poses[w].moved[c] - middle);
+        near = near && place[c] > region.lower[c] - distance_ && place[c] < region.upper[c] + distance_;
+      }
+      if (!near) continue;
+      const double distance = walls_.solid(w)->distance(place.data(), &normal);
+      if (distance >= distance_) continue;
+      double approach = 0;
+      for (int c = 0; c < 3; ++c) approach += normal[c] * (record.v[c] - poses[w].velocity[c]);
+      push_from_wall(i, normal, distance, approach);
     }
   }
 }

@@ -16,7 +16,7 @@ namespace embacle::mps {
 /// nothing of the other. The force on a body is the exact opposite of that on the water.
 class Guard {
  public:
-  Guard(const Scene& scene, const Constants& constants);
+  Guard(const Scene& scene, const Constants& constants, const Walls& walls);
 
   /// Adds to the acceleration of the own water, and the opposite forces to `wall_reaction` (one sum for all walls) and
   /// to `body_loads` (one per body of this rank; ignored without bodies). `time` is that of the positions.
@@ -35,6 +35,8 @@ class Guard {
     double place;
   };
   const Constants& constants_;
+  const Walls& walls_;
+  std::vector<int> solids_;  ///< walls that are neither tank nor box
   std::vector<Face> faces_;
   std::vector<int> boxes_;
   const Scene& scene_;

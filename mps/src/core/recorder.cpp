@@ -203,7 +203,12 @@ void Recorder::write_stage() const {
   for (const Wall& wall : scene_.walls) {
     Json& entry = json.append("walls");
     entry.set("name", wall.name);
-    entry.set("kind", wall.kind == Wall::Kind::tank ? "tank" : "box");
+    static constexpr const char* kinds[] = {"tank", "box", "cylinder", "sphere", "prism", "stl"};
+    entry.set("kind", kinds[static_cast<int>(wall.kind)]);
+    if (wall.kind > Wall::Kind::box) entry.set("axis", static_cast<int>(wall.form.axis));
+    for (const Vec3d& corner : wall.form.polygon) {
+      entry.append("polygon").set("point", Json::Array{corner[0], corner[1]});
+    }
     entry.set("lower", array_of(wall.region.lower));
     entry.set("upper", array_of(wall.region.upper));
     const Motion motion = wall.motion.value_or(Motion{});

@@ -305,7 +305,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       walls_(scene, scene.dimension, constants_.layers),
       decomposition_(comm, constants_.periodic),
       friction_(scene, constants_, walls_),
-      guard_(scene, constants_),
+      guard_(scene, constants_, walls_),
       halo_(comm),
       neighbours_(scene.dimension, constants_.support + constants_.skin),
       displacements_(constants_.support, constants_.skin),

@@ -46,6 +46,8 @@ Walls::Walls(const Scene& scene, int dimension, int layers)
         if (thickness < (layers - 0.5) * particle_distance_ && thinnest) axis = c;
       }
     }
+    solids_.emplace_back();
+    if (wall.form.kind != Form::Kind::none) solids_.back().emplace(wall.form, dimension);
     thin_axis_.push_back(axis);
     thin_index_.push_back(axis < 0 ? -1 : thin++);
   }
@@ -124,6 +126,13 @@ Walls::Distances Walls::distances(int wall, std::int32_t side, const Vec3d& move
     return side > 0 ? Distances{region.upper[axis] - b[axis], w[axis] - region.upper[axis]}
                     : Distances{b[axis] - region.lower[axis], region.lower[axis] - w[axis]};
   }
+  if (const Solid* const form = solid(wall)) {
+    Vec3d normal{};
+    const double distance = form->distance(w.data(), &normal);
+    double beyond = -distance;
+    for (int c = 0; c < dimension_; ++c) beyond += (w[c] - b[c]) * normal[c];
+    return {beyond, distance};
+  }
   // The place on the surface nearest to the one of the two that lies outside of the convex box: the plane through it
   // has all of the other medium on its far side.
   const bool tank = walls_[wall].kind == Wall::Kind::tank;
@@ -143,6 +152,11 @@ Walls::Distances Walls::distances(int wall, std::int32_t side, const Vec3d& move
 }
 
 std::vector<Walls::Point> Walls::points(int wall) const {
+  if (const Solid* const form = solid(wall)) {
+    std::vector<Point> result;
+    for (const Vec3d& x : form->points(particle_distance_, layers_ * particle_distance_)) result.push_back({x, both});
+    return result;
+  }
   return walls_[wall].kind == Wall::Kind::tank ? tank_points(walls_[wall]) : box_points(walls_[wall]);
 }
 

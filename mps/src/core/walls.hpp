@@ -6,6 +6,7 @@
 
 #include "core/particles.hpp"
 #include "core/periodic.hpp"
+#include "core/solid.hpp"
 #include "scene/scene.hpp"
 
 namespace embacle::mps {
@@ -60,12 +61,15 @@ class Walls {
   /// Index into thin_walls() of each wall, or -1.
   [[nodiscard]] int thin_index(int wall) const { return thin_index_[wall]; }
   [[nodiscard]] const Wall& definition(int wall) const { return walls_[wall]; }
+  /// The solid of a wall that is neither tank nor box, where it stands at time zero; else null.
+  [[nodiscard]] const Solid* solid(int wall) const { return solids_[wall] ? &*solids_[wall] : nullptr; }
 
  private:
   [[nodiscard]] std::vector<Point> tank_points(const Wall& wall) const;
   [[nodiscard]] std::vector<Point> box_points(const Wall& wall) const;
 
   std::vector<Wall> walls_;
+  std::vector<std::optional<Solid>> solids_;  ///< of each wall
   std::vector<int> thin_index_;
   std::vector<int> thin_axis_;
   int dimension_;

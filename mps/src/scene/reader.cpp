@@ -8,6 +8,7 @@
 #include "scene/document.hpp"
 #include "scene/rules.hpp"
 #include "scene/schema.hpp"
+#include "scene/stl.hpp"
 #include "scene/suggest.hpp"
 #include "scene/tables.hpp"
 #include "scene/units.hpp"
@@ -37,8 +38,11 @@ class Reader {
     read_single(all.numerics, scene.numerics);
     read_repeated(all.water, scene.water, [&](Water& water, const toml::table&, const std::string&) {
       if (water.kind == Water::Kind::table) enclose(water, scene.numerics.particle_distance);
+      if (water.kind > Water::Kind::table)
+        shape(water, static_cast<int>(water.kind) - static_cast<int>(Water::Kind::table));
     });
     read_repeated(all.wall, scene.walls, [this](Wall& wall, const toml::table& table, const std::string& path) {
+      if (wall.kind > Wall::Kind::box) shape(wall, static_cast<int>(wall.kind) - static_cast<int>(Wall::Kind::box));
       const toml::node* motion = table.get("motion");
       if (motion == nullptr) return;
       wall.motion.emplace();
@@ -256,6 +260,28 @@ class Reader {
     out = result;
   }
 
+  void read_value(const toml::node& node, const std::string& path, const Key& key, std::optional<Vec3d>& out) {
+    read_value(node, path, key, out.emplace());
+  }
+
+  void read_value(const toml::node& node, const std::string& path, const Key& key, Polygon& out) {
+    const auto* array = node.as_array();
+    if (array == nullptr) return wrong_type(node, path, key, &out);
+    for (const toml::node& element : *array) {
+      const auto* pair = element.as_array();
+      if (pair == nullptr || pair->size() != 2) return wrong_type(element, path, key, &out);
+      Vec3d& point = out.emplace_back();
+      for (std::size_t axis = 0; axis < 2; ++axis) read_number(*pair->get(axis), path, key, &out, point[axis]);
+    }
+  }
+
+  void read_value(const toml::node& node, const std::string& path, const Key& key, SurfacePointer& out) {
+    auto surface = std::make_shared<Surface>();
+    read_table_of(
+        node, path, key, *surface, +[](const fs::path& file, int) { return StlReader::read(file); });
+    if (!surface->triangles.empty()) out = std::move(surface);
+  }
+
   void read_value(const toml::node& node, const std::string& path, const Key& key, std::vector<double>& out) {
     const auto* array = node.as_array();
     if (array == nullptr) return wrong_type(node, path, key, &out);
@@ -354,6 +380,23 @@ class Reader {
         water.region.upper[axis] = std::max(water.region.upper[axis], row.position[axis] + 0.5 * cell);
       }
     }
+  }
+
+  /// Completes the form of a wall or of water: its kind, its true size, the box around it.
+  template <class T>
+  void shape(T& object, int kind) const {
+    Form& form = object.form;
+    form.kind = static_cast<Form::Kind>(kind);
+    if (form.surface && form.scale != 1) {
+      auto scaled = std::make_shared<Surface>(*form.surface);
+      for (Triangle& triangle : scaled->triangles)
+        for (Vec3d& corner : triangle.corner)
+          for (double& coordinate : corner) coordinate *= form.scale;
+      form.surface = std::move(scaled);
+    }
+    if (form.kind == Form::Kind::stl ? form.surface == nullptr : form.kind == Form::Kind::prism && form.polygon.empty())
+      return;
+    object.region = bounds(form, dimension_);
   }
 
   // Sections.

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -62,8 +65,8 @@ class Rules {
   }
 
   std::string text(const Vec3d& v) const {
-    std::string result = "[" + number_text(v[0]);
-    for (int axis = 1; axis < scene_.dimension; ++axis) result += ", " + number_text(v[axis]);
+    std::string result = "[" + rounded(v[0]);
+    for (int axis = 1; axis < scene_.dimension; ++axis) result += ", " + rounded(v[axis]);
     return result + "]";
   }
 
@@ -130,7 +133,11 @@ class Rules {
   }
 
   /// A computed length without the digits of its rounding.
-  static std::string rounded(double length) { return number_text(std::round(length * 1e9) / 1e9); }
+  static std::string rounded(double length) {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.12g", length);
+    return number_text(std::strtod(digits.data(), nullptr));
+  }
 
   void check_periodic() {
     const std::string path = "domain.periodic";
@@ -190,26 +197,102 @@ class Rules {
     }
   }
 
-  void check_water(const std::string& path, const Water& water) {
-    const bool table = water.kind == Water::Kind::table;
-    bool complete = true;
-    for (const char* key : {"lower", "upper", "file"}) {
-      const bool wanted = (std::string(key) == "file") == table;
-      const bool given = context_.given(path + "." + key);
-      complete = complete && given == wanted;
-      if (wanted && !given)
-        context_.report({path}, "the key '" + std::string(key) + "' is required for water of this kind (" +
-                                    (table ? "table" : "box") + ")");
-      if (!wanted && given)
-        context_.report({path + "." + key}, table
-                                                ? "a table says where its water is; leave it out, or set kind = \"box\""
-                                                : "belongs to kind = \"table\", and this water is a box; leave it out");
+  /// Keys that say where something of a kind is: those it needs are there, and no others. `own`: of the kinds that are
+  /// no forms.
+  bool check_keys(const std::string& path, const std::string& what, const std::array<std::string, 6>& kinds,
+                  const std::map<std::string, std::set<std::string>>& own, const std::string& kind) {
+    const bool space = scene_.dimension == 3;
+    std::map<std::string, std::set<std::string>> needed = own;
+    needed["cylinder"] = {"centre", "radius"};
+    needed["sphere"] = {"centre", "radius"};
+    needed["prism"] = {"polygon"};
+    needed["stl"] = {"surface"};
+    std::map<std::string, std::set<std::string>> possible = needed;
+    possible["stl"].insert("scale");
+    for (const char* key : {"length", "axis"}) possible["cylinder"].insert(key);
+    for (const char* key : {"from", "to", "axis"}) possible["prism"].insert(key);
+    if (space) {
+      needed["cylinder"].insert("length");
+      needed["prism"].insert({"from", "to"});
     }
+    bool sound = true;
+    const auto report = [&](const std::string& at, const std::string& problem) {
+      context_.report({at}, problem);
+      sound = false;
+    };
+    if (!space && kind == "stl") report(path + ".kind", "a 2-D scene has no surfaces; a prism is a polygon there");
+    for (const std::string& key : needed[kind])
+      if (!context_.given(path + "." + key))
+        report(path, "the key '" + key + "' is required for " + what + " of this kind (" + kind + ")");
+    std::set<std::string> all;
+    for (const auto& [name, keys] : possible) all.insert(keys.begin(), keys.end());
+    for (const std::string& key : all) {
+      if (!context_.given(path + "." + key)) continue;
+      const bool across = key == "length" || key == "axis" || key == "from" || key == "to";
+      if (!possible[kind].contains(key)) {
+        std::string owners;
+        for (const std::string& name : kinds)
+          if (possible[name].contains(key)) owners += (owners.empty() ? "" : ", ") + name;
+        report(path + "." + key, "does not belong to " + what + " of kind " + kind +
+                                     "; leave it out (kinds that have it: " + owners + ")");
+      } else if (!space && across) {
+        report(path + "." + key, "only for 3-D scenes; leave it out");
+      }
+    }
+    return sound;
+  }
+
+  void check_form(const std::string& path, const Form& form, const BoxRegion& region) {
+    if (form.kind == Form::Kind::prism) {
+      if (scene_.dimension == 3 && form.from >= form.to)
+        return context_.report({path + ".to", path + ".from"}, number_text(form.to) + " m must be greater than from (" +
+                                                                   number_text(form.from) + " m)");
+      if (const std::string problem = polygon_problem(form.polygon); !problem.empty())
+        return context_.report({path + ".polygon"}, problem);
+    }
+    if (!domain_sound_ || (inside_domain(region.lower) && inside_domain(region.upper))) return;
+    context_.report({path, "domain.lower", "domain.upper"},
+                    "from " + text(region.lower) + " to " + text(region.upper) + " m it reaches out of the domain, " +
+                        text(scene_.domain.lower) + " to " + text(scene_.domain.upper) + " m");
+  }
+
+  static std::string polygon_problem(const std::vector<Vec3d>& corners) {
+    const std::size_t n = corners.size();
+    if (n < 3) return "has " + std::to_string(n) + " corners; allowed: at least 3";
+    const auto turn = [](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+      return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    };
+    const auto corner = [&](std::size_t k) -> const Vec3d& { return corners[k % n]; };
+    for (std::size_t i = 0; i < n; ++i) {
+      if (corner(i) == corner(i + 1))
+        return "corners " + std::to_string(i + 1) + " and " + std::to_string((i + 1) % n + 1) + " are the same";
+      for (std::size_t j = i + 2; j < n; ++j) {
+        if ((j + 1) % n == i) continue;  // neighbours share a corner
+        const Vec3d &a = corner(i), &b = corner(i + 1), &c = corner(j), &d = corner(j + 1);
+        if (turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0 &&
+            (turn(a, b, c) != 0 || turn(a, b, d) != 0))
+          return "the edges from corners " + std::to_string(i + 1) + " and " + std::to_string(j + 1) + " on cross";
+      }
+    }
+    double area = 0;
+    for (std::size_t k = 0; k < n; ++k) area += corner(k)[0] * corner(k + 1)[1] - corner(k + 1)[0] * corner(k)[1];
+    return area == 0 ? "its corners are on one line" : "";
+  }
+
+  void check_water(const std::string& path, const Water& water) {
+    static const std::array<std::string, 6> kinds{"box", "table", "cylinder", "sphere", "prism", "stl"};
+    static const std::map<std::string, std::set<std::string>> own{{"box", {"lower", "upper"}}, {"table", {"file"}}};
+    const bool complete = check_keys(path, "water", kinds, own, kinds[static_cast<std::size_t>(water.kind)]);
+    if (water.kind == Water::Kind::table && water.fill_from)
+      context_.report({path + ".fill_from"}, "does not belong to water of kind table; leave it out");
     if (!complete) return;
-    if (table)
+    if (water.kind == Water::Kind::table)
       check_water_table(path, water);
-    else
+    else if (water.kind == Water::Kind::box)
       check_region(path, water.region, false);
+    else
+      check_form(path, water.form, water.region);
+    if (water.fill_from) check_inside(path, "fill_from", *water.fill_from);
     if (water.level && scene_.static_gravity() == Vec3d{} && context_.sound("fluid.gravity"))
       context_.report({path + ".level"}, scene_.fluid.gravity == Vec3d{}
                                              ? "a level needs gravity, and fluid.gravity is zero; leave it out"
@@ -232,11 +315,18 @@ class Rules {
   }
 
   void check_wall(const std::string& path, const Wall& wall) {
-    check_region(path, wall.region, true);
-    check_periodic_wall(path, wall);
-    if (wall.kind == Wall::Kind::box && context_.given(path + ".open"))
-      context_.report({path + ".open"},
-                      "only a tank has open sides, and this wall is a box; leave it out or set kind = \"tank\"");
+    static const std::array<std::string, 6> kinds{"tank", "box", "cylinder", "sphere", "prism", "stl"};
+    static const std::map<std::string, std::set<std::string>> own{{"box", {"lower", "upper"}},
+                                                                  {"tank", {"lower", "upper"}}};
+    const bool complete = check_keys(path, "a wall", kinds, own, kinds[static_cast<std::size_t>(wall.kind)]);
+    if (wall.kind != Wall::Kind::tank && context_.given(path + ".open"))
+      context_.report({path + ".open"}, "only a tank has open sides; leave it out or set kind = \"tank\"");
+    if (complete && wall.kind <= Wall::Kind::box) {
+      check_region(path, wall.region, true);
+      check_periodic_wall(path, wall);
+    } else if (complete) {
+      check_form(path, wall.form, wall.region);
+    }
     if (wall.kind == Wall::Kind::tank) {
       const std::set<std::string> open(wall.open.begin(), wall.open.end());
       if (open.size() < wall.open.size()) context_.report({path + ".open"}, "names a side twice");

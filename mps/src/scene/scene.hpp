@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,68 @@ struct BoxRegion {
   Vec3d lower{};  ///< [m]
   Vec3d upper{};  ///< [m]
 };
+
+enum class Axis { x, y, z };
+
+struct Triangle {
+  std::array<Vec3d, 3> corner;  ///< [m], counterclockwise seen from outside
+};
+
+/// A closed surface.
+struct Surface {
+  std::filesystem::path file;
+  std::vector<Triangle> triangles;
+};
+
+/// A shape other than a box. In 2-D cylinders and spheres are discs and a prism is a polygon.
+struct Form {
+  enum class Kind { none, cylinder, sphere, prism, stl };
+  Kind kind = Kind::none;
+  Vec3d centre{};                          ///< of a cylinder or sphere [m]
+  double radius = 0;                       ///< likewise [m]
+  double length = 0;                       ///< of a cylinder, along its axis [m]
+  Axis axis = Axis::z;                     ///< of a cylinder or prism
+  std::vector<Vec3d> polygon;              ///< corners of a prism in the two other directions, in their order [m]
+  double from = 0, to = 0;                 ///< ends of a prism along its axis [m]
+  double scale = 1;                        ///< from the lengths of the surface's file to metres
+  std::shared_ptr<const Surface> surface;  ///< of kind stl, in metres
+};
+
+/// The box around a form.
+[[nodiscard]] inline BoxRegion bounds(const Form& form, int dimension) {
+  BoxRegion box;
+  const auto along = static_cast<std::size_t>(form.axis);
+  if (form.kind == Form::Kind::cylinder || form.kind == Form::Kind::sphere) {
+    for (int c = 0; c < dimension; ++c) {
+      const bool end = form.kind == Form::Kind::cylinder && dimension == 3 && c == static_cast<int>(along);
+      const double half = end ? 0.5 * form.length : form.radius;
+      box.lower[c] = form.centre[c] - half;
+      box.upper[c] = form.centre[c] + half;
+    }
+    return box;
+  }
+  box.lower.fill(std::numeric_limits<double>::max());
+  box.upper.fill(std::numeric_limits<double>::lowest());
+  const auto enclose = [&](std::size_t c, double x) {
+    box.lower[c] = std::min(box.lower[c], x);
+    box.upper[c] = std::max(box.upper[c], x);
+  };
+  if (form.kind == Form::Kind::prism) {
+    for (const Vec3d& corner : form.polygon) {
+      enclose(along == 0 ? 1 : 0, corner[0]);
+      enclose(along == 2 ? 1 : 2, corner[1]);
+    }
+    enclose(along, dimension == 3 ? form.from : 0.0);
+    enclose(along, dimension == 3 ? form.to : 0.0);
+  } else if (form.surface) {
+    for (const Triangle& triangle : form.surface->triangles) {
+      for (const Vec3d& corner : triangle.corner) {
+        for (std::size_t c = 0; c < 3; ++c) enclose(c, corner[c]);
+      }
+    }
+  }
+  return box;
+}
 
 enum class KernelKind { wendland, rational };
 /// What keeps particles in order.
@@ -45,12 +108,14 @@ struct Motion {
   [[nodiscard]] bool moves() const { return !table.empty() || velocity != Vec3d{}; }
 };
 
-/// A solid boundary: `tank` = the inside of a box, open on the sides listed in `open`; `box` = a solid box.
+/// A solid boundary: `tank` = the inside of a box, open on the sides listed in `open`; `box` = a solid box; or a solid
+/// of another form.
 struct Wall {
-  enum class Kind { tank, box };
+  enum class Kind { tank, box, cylinder, sphere, prism, stl };
   std::string name;
   Kind kind = Kind::box;
-  BoxRegion region;               ///< inner faces of a tank, outer faces of a box [m]
+  BoxRegion region;  ///< inner faces of a tank, outer faces of a box, the box around another form [m]
+  Form form;
   std::vector<std::string> open;  ///< of a tank: "x-", "x+", "y-", "y+", "z-", "z+"
   std::optional<Motion> motion;
   /// Whether the water slips along it where the fluid has a viscosity; unset: see docs/numerics.md.
@@ -72,15 +137,18 @@ struct WaterTable {
   bool has_pressure = false;
 };
 
-/// Water that fills a box at the start, or particles from a table (both less what solids occupy).
+/// Water that fills a box or another form at the start, or particles from a table (all less what solids occupy).
 struct Water {
-  enum class Kind { box, table };
+  enum class Kind { box, table, cylinder, sphere, prism, stl };
   std::string name;
   Kind kind = Kind::box;
-  /// [m]; of a box that is empty (zero thickness), no particles; of a table, the box that its particles fill.
+  /// [m]; of a box that is empty (zero thickness), no particles; of a table, the box that its particles fill; else
+  /// around the form.
   BoxRegion region;
   WaterTable table;
-  Vec3d velocity{};  ///< initial [m/s]
+  Form form;
+  std::optional<Vec3d> fill_from;  ///< only what is connected with this place [m]
+  Vec3d velocity{};                ///< initial [m/s]
   /// Level [m] along the direction against gravity from which the initial pressure is hydrostatic; the region's top if
   /// unset. Not for a table that has pressures.
   std::optional<double> level;

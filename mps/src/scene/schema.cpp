@@ -12,6 +12,55 @@ constexpr Range positive{.lower = 0, .lower_open = true};
 constexpr Range not_negative{.lower = 0};
 constexpr Range between(double lower, double upper) { return {.lower = lower, .upper = upper}; }
 
+/// Keys of the forms that walls and water can have, but for boxes.
+template <class T>
+void add_form(std::vector<Field<T>>& fields) {
+  using Q = Quantity;
+  const std::vector<Field<T>> keys{
+      {{.name = "centre",
+        .meaning = "middle of a cylinder or sphere (discs in 2-D)",
+        .quantity = Q::length,
+        .default_text = "none"},
+       [](T& x) -> Target { return &x.form.centre; }},
+      {{.name = "radius",
+        .meaning = "of a cylinder or sphere",
+        .quantity = Q::length,
+        .range = positive,
+        .default_text = "none"},
+       [](T& x) -> Target { return &x.form.radius; }},
+      {{.name = "length",
+        .meaning = "of a cylinder along its axis, 3-D only",
+        .quantity = Q::length,
+        .range = positive,
+        .default_text = "none"},
+       [](T& x) -> Target { return &x.form.length; }},
+      {{.name = "axis", .meaning = "direction of a cylinder or prism, 3-D only", .choices = {"x", "y", "z"}},
+       [](T& x) -> Target { return &x.form.axis; }},
+      {{.name = "polygon",
+        .meaning = "corners of a prism, `[[0, 0], [1, 0], [1, \"20 cm\"]]`: x and y, or in 3-D the two coordinates "
+                   "across its axis in the order x, y, z; it must not cross itself",
+        .quantity = Q::length},
+       [](T& x) -> Target { return &x.form.polygon; }},
+      {{.name = "from",
+        .meaning = "end of a prism along its axis, 3-D only",
+        .quantity = Q::length,
+        .default_text = "none"},
+       [](T& x) -> Target { return &x.form.from; }},
+      {{.name = "to", .meaning = "its other end", .quantity = Q::length, .default_text = "none"},
+       [](T& x) -> Target { return &x.form.to; }},
+      {{.name = "surface",
+        .meaning =
+            "of kind `stl`, 3-D only: file of a closed surface of triangles, STL in ASCII or binary, path relative "
+            "to the scene file"},
+       [](T& x) -> Target { return &x.form.surface; }},
+      {{.name = "scale",
+        .meaning = "of kind `stl`: factor from the lengths of the file to metres, 0.001 for millimetres",
+        .range = positive},
+       [](T& x) -> Target { return &x.form.scale; }},
+  };
+  fields.insert(fields.end(), keys.begin(), keys.end());
+}
+
 Schema make_schema() {
   using Q = Quantity;
   Schema s;
@@ -139,14 +188,15 @@ Schema make_schema() {
       .label = true};
   s.water = {
       "water",
-      "Water at the start, less what solids occupy: a box that is filled, or particles from a table. Any number of "
-      "them.",
+      "Water at the start, less what solids occupy: a box or another form that is filled, or particles from a table. "
+      "Any "
+      "number of them.",
       {
           {name, [](Water& x) -> Target { return &x.name; }},
           {{.name = "kind",
             .meaning = "`box`: the lattice of the particle distance between `lower` and `upper`; `table`: the "
-                       "particles in `file`",
-            .choices = {"box", "table"}},
+                       "particles in `file`; the others: what of such a lattice lies in that form",
+            .choices = {"box", "table", "cylinder", "sphere", "prism", "stl"}},
            [](Water& x) -> Target { return &x.kind; }},
           {{.name = "lower",
             .meaning = "lowest corner; required for a box",
@@ -165,6 +215,11 @@ Schema make_schema() {
                        "particle. Every particle has the mass of one particle distance cubed (in 2-D squared)",
             .default_text = "none"},
            [](Water& x) -> Target { return &x.table; }},
+          {{.name = "fill_from",
+            .meaning = "a place: only what is connected with it within the box or form, past no wall; for containers",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Water& x) -> Target { return &x.fill_from; }},
           {{.name = "velocity",
             .meaning = "velocity at the start, unless a table has velocities",
             .quantity = Q::speed},
@@ -178,32 +233,35 @@ Schema make_schema() {
       },
       {},
       true};
-  s.wall = {"wall",
-            "A solid boundary. Any number of them.",
-            {
-                {name, [](Wall& x) -> Target { return &x.name; }},
-                {{.name = "kind",
-                  .meaning = "`tank`: the water is inside of the box; `box`: the box is solid",
-                  .choices = {"tank", "box"}},
-                 [](Wall& x) -> Target { return &x.kind; }},
-                {{.name = "lower",
-                  .meaning = "lowest corner: of a tank's inner faces, of a box's outer faces",
-                  .quantity = Q::length,
-                  .required = true},
-                 [](Wall& x) -> Target { return &x.region.lower; }},
-                {{.name = "upper", .meaning = "highest corner, likewise", .quantity = Q::length, .required = true},
-                 [](Wall& x) -> Target { return &x.region.upper; }},
-                {{.name = "open",
-                  .meaning = "sides of a tank that have no wall",
-                  .choices = {"x-", "x+", "y-", "y+", "z-", "z+"}},
-                 [](Wall& x) -> Target { return &x.open; }},
-                {{.name = "slip",
-                  .meaning = "whether the water slips along it; `false` needs a viscosity; see docs/numerics.md",
-                  .default_text = "mirrored velocities"},
-                 [](Wall& x) -> Target { return &x.slip; }},
-            },
-            {"motion"},
-            true};
+  s.wall = {
+      "wall",
+      "A solid boundary. Any number of them.",
+      {
+          {name, [](Wall& x) -> Target { return &x.name; }},
+          {{.name = "kind",
+            .meaning = "`tank`: the water is inside of the box; `box`: the box is solid; likewise the others",
+            .choices = {"tank", "box", "cylinder", "sphere", "prism", "stl"}},
+           [](Wall& x) -> Target { return &x.kind; }},
+          {{.name = "lower",
+            .meaning = "lowest corner: of a tank's inner faces, of a box's outer faces; required for these",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Wall& x) -> Target { return &x.region.lower; }},
+          {{.name = "upper", .meaning = "highest corner, likewise", .quantity = Q::length, .default_text = "none"},
+           [](Wall& x) -> Target { return &x.region.upper; }},
+          {{.name = "open",
+            .meaning = "sides of a tank that have no wall",
+            .choices = {"x-", "x+", "y-", "y+", "z-", "z+"}},
+           [](Wall& x) -> Target { return &x.open; }},
+          {{.name = "slip",
+            .meaning = "whether the water slips along it; `false` needs a viscosity; see docs/numerics.md",
+            .default_text = "mirrored velocities"},
+           [](Wall& x) -> Target { return &x.slip; }},
+      },
+      {"motion"},
+      true};
+  add_form(s.water.fields);
+  add_form(s.wall.fields);
   s.motion = {
       "wall.motion",
       "Prescribed motion of the wall it stands under: `velocity`, `table` or `surface_velocity`.",
@@ -340,7 +398,8 @@ std::string type_text(const Key& key, const Target& target) {
   const std::string number = key.quantity == Quantity::plain ? "number"
                                                              : std::string(quantity_name(key.quantity)) + " [" +
                                                                    std::string(si_unit(key.quantity)) + "]";
-  if (std::holds_alternative<Vec3d*>(target)) return "vector of " + number;
+  if (std::holds_alternative<Vec3d*>(target) || std::holds_alternative<std::optional<Vec3d>*>(target))
+    return "vector of " + number;
   if (std::holds_alternative<std::vector<double>*>(target)) return "list of " + number;
   if (std::holds_alternative<std::vector<std::string>*>(target)) return "list of words";
   if (std::holds_alternative<int*>(target)) return "whole number";
@@ -348,8 +407,9 @@ std::string type_text(const Key& key, const Target& target) {
     return "true or false";
   if (std::holds_alternative<std::string*>(target)) return "text";
   if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target) ||
-      std::holds_alternative<WaterTable*>(target))
+      std::holds_alternative<WaterTable*>(target) || std::holds_alternative<SurfacePointer*>(target))
     return "file";
+  if (std::holds_alternative<Polygon*>(target)) return "list of points, " + number;
   return key.choices.empty() ? number : "word";
 }
 
@@ -390,6 +450,13 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
     std::string operator()(const std::optional<double>*) const { return quantity; }
     std::string operator()(const Vec3d*) const {
       return "a list of " + std::to_string(dimension) + " components, each " + quantity;
+    }
+    std::string operator()(const std::optional<Vec3d>*) const { return operator()(static_cast<const Vec3d*>(nullptr)); }
+    std::string operator()(const Polygon*) const {
+      return "a list of points, each a list of 2 components, each " + quantity;
+    }
+    std::string operator()(const SurfacePointer*) const {
+      return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
     std::string operator()(const int*) const { return "a whole number, " + key.range.text(); }
     std::string operator()(const bool*) const { return "true or false"; }

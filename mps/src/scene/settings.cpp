@@ -32,6 +32,7 @@ struct Text {
   std::string operator()(const Vec3d* x) const {
     return "[" + number_text((*x)[0]) + ", " + number_text((*x)[1]) + ", " + number_text((*x)[2]) + "]";
   }
+  std::string operator()(const std::optional<Vec3d>* x) const { return *x ? operator()(&**x) : "none"; }
   std::string operator()(const int* x) const { return std::to_string(*x); }
   std::string operator()(const bool* x) const { return *x ? "true" : "false"; }
   std::string operator()(const std::optional<bool>* x) const { return *x ? operator()(&**x) : "none"; }
@@ -66,6 +67,21 @@ struct Text {
       sum.add(row.pressure);
     }
     return std::to_string(x->rows.size()) + " rows, checksum " + std::to_string(sum.value);
+  }
+  std::string operator()(const Polygon* x) const {
+    std::string text;
+    for (const Vec3d& point : *x) text += (text.empty() ? "[" : ", ") + operator()(&point);
+    return text.empty() ? "[]" : text + "]";
+  }
+  std::string operator()(const SurfacePointer* x) const {
+    if (!*x) return "none";
+    Checksum sum;
+    for (const Triangle& triangle : (*x)->triangles) {
+      for (const Vec3d& corner : triangle.corner) {
+        for (const double value : corner) sum.add(value);
+      }
+    }
+    return std::to_string((*x)->triangles.size()) + " triangles, checksum " + std::to_string(sum.value);
   }
   template <class Enumeration>
   std::string operator()(const Enumeration* x) const {

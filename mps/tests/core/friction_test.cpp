@@ -151,6 +151,13 @@ TEST(Friction, DistancesAreAlongTheNormal) {
   Wall gate;  // thinner than the support, across x
   gate.region = {{0.5, 0, 0}, {0.51, 0.1, 0}};
   scene.walls.push_back(gate);
+  Wall pole;
+  pole.kind = Wall::Kind::cylinder;
+  pole.form.kind = Form::Kind::cylinder;
+  pole.form.centre = {0.8, 0.1, 0};
+  pole.form.radius = 0.05;
+  pole.region = bounds(pole.form, 2);
+  scene.walls.push_back(pole);
   const Walls walls(scene, 2, 3);
   const auto distances = [&](int wall, int side, Vec3d moved, Vec3d point, Vec3d water) {
     return walls.distances(wall, side, moved, point.data(), water.data(), Periodic{});
@@ -168,6 +175,8 @@ TEST(Friction, DistancesAreAlongTheNormal) {
   expect(distances(1, both, {0.1, 0, 0}, {0.395, 0.05, 0}, {0.41, 0.05, 0}), 0.005, 0.01);        // moved
   expect(distances(2, plus_extra, {}, {0.485, 0.05, 0}, {0.515, 0.05, 0}), 0.025, 0.005);
   expect(distances(2, minus, {}, {0.505, 0.05, 0}, {0.495, 0.05, 0}), 0.005, 0.005);
+  expect(distances(3, both, {}, {0.8, 0.145, 0}, {0.8, 0.16, 0}), 0.005, 0.01);
+  expect(distances(3, both, {0, 0.1, 0}, {0.82, 0.245, 0}, {0.8, 0.26, 0}), 0.005, 0.01);  // along the water's normal
   Periodic periodic;
   periodic.length = {1, 0, 0};
   const Vec3d point{1.205, 0.05, 0}, water{1.19, 0.05, 0};  // an image of the box

@@ -80,7 +80,7 @@ TEST(Read, FullScene) {
       (std::vector{n.support, n.cfl, n.sound_speed, n.reference_speed, n.artificial_viscosity, n.density_diffusion,
                    n.collision_distance, n.collision_restitution, n.skin, n.rebalance_imbalance}),
       (std::vector{3.1, 0.4, 30.0, 3.0, 0.02, 0.1, 0.8, 0.4, 0.2, 1.2}));
-  ASSERT_EQ(s.water.size(), 2U);
+  ASSERT_EQ(s.water.size(), 5U);
   EXPECT_EQ(s.water[0].name, "upstream");
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
@@ -98,7 +98,24 @@ TEST(Read, FullScene) {
   EXPECT_EQ(table.rows[1].line, 3);
   EXPECT_NEAR(s.water[1].region.lower[0], 0.7 - 0.0025, 1e-15);
   EXPECT_NEAR(s.water[1].region.upper[0], 0.705 + 0.0025, 1e-15);
-  ASSERT_EQ(s.walls.size(), 4U);
+  ASSERT_EQ(s.walls.size(), 7U);
+  const Form& pillar = s.walls[4].form;
+  EXPECT_EQ(s.walls[4].kind, Wall::Kind::cylinder);
+  EXPECT_EQ(pillar.kind, Form::Kind::cylinder);
+  EXPECT_EQ(pillar.centre, (Vec3d{1.2, 0.25, 0.2}));
+  EXPECT_EQ(pillar.radius, 0.05);
+  EXPECT_NEAR(s.walls[4].region.lower[2], 0, 1e-15);
+  EXPECT_NEAR(s.walls[4].region.upper[0], 1.25, 1e-15);
+  EXPECT_EQ(s.walls[5].form.polygon, (Polygon{{1, 0, 0}, {1.5, 0, 0}, {1.5, 0.1, 0}}));
+  EXPECT_EQ(s.walls[5].form.axis, Axis::y);
+  EXPECT_EQ(s.walls[5].region.lower, (Vec3d{1, 0.1, 0}));
+  EXPECT_EQ(s.walls[5].region.upper, (Vec3d{1.5, 0.4, 0.1}));
+  ASSERT_TRUE(s.walls[6].form.surface);
+  EXPECT_EQ(s.walls[6].form.surface->triangles.size(), 4U);
+  EXPECT_NEAR(s.walls[6].region.upper[1], 0.1, 1e-15);
+  EXPECT_NEAR(s.water[4].region.upper[1], 0.2, 1e-15);
+  EXPECT_EQ(s.water[4].fill_from, (Vec3d{0.01, 0.02, 0.02}));
+  EXPECT_FALSE(s.water[0].fill_from);
   EXPECT_EQ(s.walls[0].kind, Wall::Kind::tank);
   EXPECT_EQ(s.walls[0].open, std::vector<std::string>{"z+"});
   EXPECT_FALSE(s.walls[0].motion);
@@ -276,6 +293,23 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"open = [\"z+\"]", "open = [\"z+\", \"z+\"]", "wall.tank.open: names a side twice"},
       {"open = [\"z+\"]", "open = [\"x-\", \"x+\", \"y-\", \"y+\", \"z-\", \"z+\"]", "all sides are open"},
       {"kind = \"tank\"", "kind = \"box\"", "wall.tank.open: only a tank has open sides"},
+      {"lower = [1.9, 0, 0]\n", "", "wall.paddle: the key 'lower' is required for a wall of this kind (box)"},
+      {"length = 0.4\n", "", "wall.pillar: the key 'length' is required for a wall of this kind (cylinder)"},
+      {"length = 0.4", "length = 0.4\nfrom = 1",
+       "wall.pillar.from: does not belong to a wall of kind cylinder; leave it out (kinds that have it: prism)"},
+      {"centre = [1.2,", "centre = [2.2,", "wall.pillar: from [2.15, 0.2, 0] to [2.25, 0.3, 0.4] m it reaches out of"},
+      {"[1.5, 0], [1.5, \"10 cm\"]]", "[1.5, 0]]", "wall.ramp.polygon: has 2 corners; allowed: at least 3"},
+      {"[1.5, 0], [1.5, \"10 cm\"]]", "[1.5, 0], [1.5, 0]]", "wall.ramp.polygon: corners 2 and 3 are the same"},
+      {"[1.5, 0], [1.5, \"10 cm\"]]", "[1.5, 0], [1.2, 0]]", "wall.ramp.polygon: its corners are on one line"},
+      {"[1.5, 0], [1.5, \"10 cm\"]]", "[1.5, 0.1], [1.5, 0], [1, 0.1]]",
+       "wall.ramp.polygon: the edges from corners 1 and 3 on cross"},
+      {"[1.5, 0], [1.5, \"10 cm\"]]", "[1.5, 0, 1], [1.5, 0.1]]",
+       "wall.ramp.polygon: found a list; allowed: a list of points"},
+      {"from = 0.1\nto = 0.4\n\n[[wall]]", "from = 0.4\nto = 0.4\n\n[[wall]]",
+       "wall.ramp.to: 0.4 m must be greater than from (0.4 m)"},
+      {"scale = 0.002", "scale = 0.02", "water.bag: from [0, 0, 0] to [2, 2, 2] m it reaches out of the domain"},
+      {"fill_from = [\"1 cm\", 0.02, 0.02]", "fill_from = [9, 0, 0]",
+       "water.bag.fill_from: [9, 0, 0] m is outside of the domain"},
       {"stop = \"0.7 s\"", "stop = \"0.1 s\"", "wall.gate.motion.stop: 0.1 s must be after start (0.1 s)"},
       {"stop = \"0.7 s\"", "table = \"paddle.csv\"",
        "wall.gate.motion.table: a motion has either a table or a velocity, of the wall or of its surface, not both"},
@@ -390,13 +424,63 @@ TEST_F(SceneFile, WaterTablesAreReadStrictly) {
 
   const std::string spray = "file = \"start.csv\"";
   EXPECT_HAS(error_with(spray, spray + "\nlevel = 0.5"), "water.spray.level: the table has pressures");
-  EXPECT_HAS(error_with(spray, spray + "\nupper = [1, 1, 1]"), "water.spray.upper: a table says where its water is");
+  EXPECT_HAS(error_with(spray, spray + "\nupper = [1, 1, 1]"),
+             "water.spray.upper: does not belong to water of kind table; leave it out (kinds that have it: box)");
+  EXPECT_HAS(error_with(spray, spray + "\nfill_from = [1, 0, 0]"),
+             "water.spray.fill_from: does not belong to water of kind table");
   EXPECT_HAS(error_with(spray, ""), "water.spray: the key 'file' is required for water of this kind (table)");
-  EXPECT_HAS(error_with("kind = \"table\"\n", ""), "water.spray.file: belongs to kind = \"table\"");
+  EXPECT_HAS(error_with("kind = \"table\"\n", ""), "water.spray.file: does not belong to water of kind box");
   EXPECT_HAS(error_with("lower = [0, 0, 0]\nupper = [\"50 cm\"", "upper = [\"50 cm\""),
              "water.upstream: the key 'lower' is required for water of this kind (box)");
   write(folder_ / "start.csv", "x, y, z, vx, vy, vz\n0, 0, 0, 1, 1, 1\n");
   EXPECT_HAS(error_with(spray, spray + "\nvelocity = [1, 0, 0]"), "water.spray.velocity: the table has velocities");
+}
+
+TEST_F(SceneFile, SurfacesAreReadStrictly) {
+  const std::string block = text_of(scenes / "block.stl");
+  const std::tuple<const char*, const char*, const char*> mistakes[] = {
+      {"solid block, in", "blocks in", "block.stl:1: wall.rock.surface: is no STL file"},
+      {"vertex 0 100 0", "vertex 0 1OO 0", "block.stl:5: wall.rock.surface: '1OO' is not a number"},
+      {"vertex 0 100 0", "vertex 0 100", "block.stl:5: wall.rock.surface: '' is not a number"},
+      {"    vertex 0 100 0\n", "", "block.stl:7: wall.rock.surface: the triangle has fewer than three corners"},
+      {"vertex 0 100 0", "vertex 0 100 0\n vertex 1 1 1", "block.stl:7: wall.rock.surface: a 'vertex' too many"},
+      {"vertex 0 100 0", "vertex 0 0 0", "block.stl:2: wall.rock.surface: the triangle has two corners at the same"},
+      {"vertex 0 100 0", "vertex 0 99 0", "wall.rock.surface: an edge of the triangle has no neighbour"},
+      {"vertex 0 100 0\n    vertex 100 0 0", "vertex 100 0 0\n    vertex 0 100 0",
+       "wall.rock.surface: an edge of the triangle belongs to another one in the same direction"},
+      {"outer loop", "outre loop", "block.stl:3: wall.rock.surface: unknown word 'outre'"},
+  };
+  for (const auto& [from, to, expected] : mistakes) {
+    write(folder_ / "block.stl", replaced(block, from, to));
+    EXPECT_HAS(error(full_), expected);
+  }
+  write(folder_ / "block.stl", "solid nothing\nendsolid\n");
+  EXPECT_HAS(error(full_), "block.stl: wall.rock.surface: has no triangles");
+
+  // The same in binary.
+  write(folder_ / "block.stl", block);
+  const Scene ascii = read_scene(scene(full_));
+  const auto& triangles = ascii.walls[6].form.surface->triangles;
+  std::string binary(80, 'x');
+  const auto append = [&](const auto& value) { binary.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  append(static_cast<std::uint32_t>(triangles.size()));
+  for (const Triangle& triangle : triangles) {
+    for (int c = 0; c < 3; ++c) append(0.0F);
+    for (const Vec3d& corner : triangle.corner)
+      for (const double x : corner) append(static_cast<float>(x * 1000));
+    binary.append(2, '\0');
+  }
+  write(folder_ / "block.stl", binary);
+  const Scene again = read_scene(scene(full_));
+  ASSERT_EQ(again.walls[6].form.surface->triangles.size(), 4U);
+  EXPECT_EQ(again.walls[6].region.upper, ascii.walls[6].region.upper);
+  EXPECT_HAS(
+      error(replaced(flat_, "[run]", "[[wall]]\nname = \"rock\"\nkind = \"stl\"\nsurface = \"block.stl\"\n[run]")),
+      "wall.rock.kind: a 2-D scene has no surfaces; a prism is a polygon there");
+  EXPECT_HAS(error(replaced(flat_, "[run]",
+                            "[[wall]]\nname = \"pole\"\nkind = \"cylinder\"\ncentre = [0.5, 0.2]\nradius = 0.1\n"
+                            "length = 1\n[run]")),
+             "wall.pole.length: only for 3-D scenes; leave it out");
 }
 
 TEST_F(SceneFile, PeriodicDirectionsAreChecked) {
