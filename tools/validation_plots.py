@@ -75,7 +75,7 @@ def draw_curves(axes, labels, curves):
     axes.set_title(labels[0], fontsize=10, loc="left")
     axes.set_xlabel(labels[1])
     axes.set_ylabel(labels[2])
-    axes.legend(fontsize=7.5, frameon=False)
+    axes.legend(fontsize=7.5, framealpha=0.8, edgecolor="none")
     tidy(axes)
 
 

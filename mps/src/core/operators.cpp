@@ -17,6 +17,9 @@ void density_rate(const Particles& particles, const Neighbours& neighbours, cons
   const Pack gx = splat(c.static_gravity[0] * inverse_c2), gy = splat(c.static_gravity[1] * inverse_c2),
              gz = splat(c.static_gravity[2] * inverse_c2);
   const double diffusion = c.density_diffusion * c.laplacian_factor;
+  // Geometry of the middle of the step that led here: with that of its end, compression and expansion along the same
+  // way do not cancel, and water gains volume and energy in proportion to the step.
+  const double half = 0.5 * c.step;
   rate.resize(particles.water);
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& me = records[i];
@@ -24,10 +27,12 @@ void density_rate(const Particles& particles, const Neighbours& neighbours, cons
     Pack divergence = splat(0), laplacian = splat(0);
     const auto pair = [&]<bool Water>(const std::uint32_t* index) {
       const RecordPack other = load(records, index);
-      const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
+      const Pack ux = other.vx - me.v[0], uy = other.vy - me.v[1], uz = other.vz - me.v[2];
+      const Pack dx = other.x - me.x[0] - half * ux, dy = other.y - me.x[1] - half * uy,
+                 dz = other.z - me.x[2] - half * uz;
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
       const Pack f = kernel.gradient_weight(square_root(r2), max_zero);
-      divergence += f * dot<D>(other.vx - me.v[0], other.vy - me.v[1], other.vz - me.v[2], dx, dy, dz);
+      divergence += f * dot<D>(ux, uy, uz, dx, dy, dz);
       if constexpr (Water) {
         // At rest ds = (g.dr/c0^2) s^-6 by the Tait equation; s^-6 to first order, with the mean of both s.
         const Pack slope = 7.0 - 3.0 * (me.s + other.s);
