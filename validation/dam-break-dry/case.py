@@ -1,8 +1,8 @@
 """A column of water collapses on a dry bed, 2-D: front against experiments, volume, energy of the water once still.
 
-The experiments' time starts when a gate or a diaphragm gives way, so the computed front may lag by one constant time of at
-most 20 ms. The speed of the surge is the slope of a straight line through the front beyond a place, at the measured times.
-README.md says which series must be met and why.
+The experiments' time starts when a gate or a diaphragm gives way, so the computed front may lag by one constant time of
+at most 20 ms. The speed of the surge is the slope of a straight line through the front beyond a place, at the measured
+times. README.md says which series must be met and why.
 """
 
 import dataclasses
@@ -46,11 +46,10 @@ class Series:
 TANK = [Series("Koshizuka & Oka", "koshizuka-oka-1996.csv", 0.146, 0.292, 0.584, 4, 2, time_unit=np.sqrt(2 * GRAVITY)),
         Series("Koshizuka & Oka, other digitisation", "koshizuka-oka-1996-other.csv", 0.146, 0.292, 0.584, 4, 2,
                required=False)]
-CHANNEL = [Series("Martin & Moyce 2.25 in", "martin-moyce-1952-a2.25in.csv", 2.25 * INCH, 4.5 * INCH, 36 * INCH, 4.2, 2),
-           Series("Martin & Moyce 2.25 in, to 14 a", "martin-moyce-1952-a2.25in.csv", 2.25 * INCH, 4.5 * INCH, 36 * INCH,
-                  14, 2, required=False),
-           Series("Martin & Moyce 1.125 in", "martin-moyce-1952-a1.125in.csv", 2.25 * INCH, 4.5 * INCH, 36 * INCH, 4.2, 2,
-                  required=False)]
+COLUMN = (2.25 * INCH, 4.5 * INCH, 36 * INCH)
+CHANNEL = [Series("Martin & Moyce 2.25 in", "martin-moyce-1952-a2.25in.csv", *COLUMN, 4.2, 2),
+           Series("Martin & Moyce 2.25 in, to 14 a", "martin-moyce-1952-a2.25in.csv", *COLUMN, 14, 2, required=False),
+           Series("Martin & Moyce 1.125 in", "martin-moyce-1952-a1.125in.csv", *COLUMN, 4.2, 2, required=False)]
 GATE = [Series("Lobovsky", "lobovsky-2014.csv", 0.6, 0.3, 1.61, 2.68, 1.5, gate=1.0, unit=0.5)]
 
 
@@ -84,15 +83,17 @@ def rest(context, run, label, series):
     potential, kinetic = (100 * table[name][late].mean() / still for name in ("potential", "kinetic"))
     context.curve("volume; time [s]; change [%]", label, time, volume)
     for name in ("potential", "kinetic"):
-        context.curve("energy; time [s]; energy / potential energy at rest", f"{label}, {name}", time, table[name] / still)
+        context.curve("energy; time [s]; energy / potential energy at rest", f"{label}, {name}", time,
+                      table[name] / still)
     yield run.bar(f"{label}: largest change of the volume", np.nanmax(np.abs(volume)), 0, 1, "%", "conservation")
-    yield run.bar(f"{label}: potential energy, 5.5-6 s", potential - 100, -1, 1, "%", "m g h/2 of the same water at rest")
+    yield run.bar(f"{label}: potential energy, 5.5-6 s", potential - 100, -1, 1, "%",
+                  "m g h/2 of the same water at rest")
     yield run.bar(f"{label}: the same less the kinetic energy", potential - kinetic - 100, -1, 1, "%",
                   "sloshing has as much of either", required=False)
     yield run.bar(f"{label}: largest gain of energy", 100 * run.summary["energy"]["largest_gain"] / still, 0, 1, "%",
                   "no work is done", required=False)
-    yield run.bar(f"{label}: water outside of the tank", run.summary["extremes"]["water_outside_tank"], 0, 0, "particles",
-                  "conservation")
+    yield run.bar(f"{label}: water outside of the tank", run.summary["extremes"]["water_outside_tank"], 0, 0,
+                  "particles", "conservation")
 
 
 def collapse(context, name, series, layers, end_time):

@@ -1,9 +1,9 @@
-"""A dam breaks at once in a long channel, 2-D: bore and plateau against Stoker (wet bed), profile against Ritter (dry bed).
+"""A dam breaks at once in a long channel, 2-D: bore and plateau against Stoker (wet bed), profile against Ritter (dry).
 
-Shallow water theory wants a hydrostatic pressure, so it holds late (t sqrt(g/h0) > 8, the bore has gone many depths) and away
-from steep places: the front of the bore itself, and the tip on a dry bed, where water is thinner than the particles. Its own
-bores are sharp; water makes an undular or breaking one, of the same mean speed and depth. Depth is the volume of water per
-length of channel. Exact states: stoker.csv (the larger h_mid solves Rankine-Hugoniot), ritter.csv (self-similar).
+Shallow water theory wants a hydrostatic pressure, so it holds late (t sqrt(g/h0) > 8, the bore has gone many depths) and
+away from steep places: the front of the bore itself, and the tip on a dry bed, where water is thinner than the particles.
+Its own bores are sharp; water makes an undular or breaking one, of the same mean speed and depth. Depth is the volume of
+water per length of channel. Exact states: stoker.csv (rarefaction and Rankine-Hugoniot), ritter.csv (self-similar).
 """
 
 import sys
@@ -82,8 +82,8 @@ def stoker(context, run, label, profiles, downstream, held):
     context.curve(panel, label, profiles.x[shown] / end, profiles.depth[-1][shown] / DEPTH)
     source = f"Stoker: {bore:.3f} m/s, {depth:.4f} m, {velocity:.3f} m/s"
     yield run.bar(f"{label}: speed of the bore", 100 * (speed / bore - 1), -2, 2, "%", source, held)
-    yield run.bar(f"{label}: depth of the plateau", 100 * (np.mean(depths) / depth - 1), -3, 3, "%", source, held)
-    yield run.bar(f"{label}: velocity of the plateau", 100 * (np.mean(velocities) / velocity - 1), -3, 3, "%", source, held)
+    for name, values, theory in (("depth", depths, depth), ("velocity", velocities, velocity)):
+        yield run.bar(f"{label}: {name} of the plateau", 100 * (np.mean(values) / theory - 1), -3, 3, "%", source, held)
 
 
 def ritter(context, run, label, profiles, distance, held):
@@ -97,7 +97,8 @@ def ritter(context, run, label, profiles, distance, held):
     for k in late:
         scaled = profiles.x / (WAVE * profiles.times[k])
         inside = (scaled > -0.6) & (scaled < 1)
-        errors.append(np.sqrt(np.mean((profiles.depth[k][inside] / DEPTH - np.interp(scaled[inside], place, depth)) ** 2)))
+        theory = np.interp(scaled[inside], place, depth)
+        errors.append(np.sqrt(np.mean((profiles.depth[k][inside] / DEPTH - theory) ** 2)))
     tips = [profiles.farthest(k, distance) for k in late]
     tip = np.polyfit(profiles.times[late], tips, 1)[0] / WAVE
     panel = f"dry bed, {profiles.times[-1]:.1f} s; x / (c0 t); h / h0"
@@ -107,8 +108,8 @@ def ritter(context, run, label, profiles, distance, held):
     context.curve(panel, label, profiles.x / end, profiles.depth[-1] / DEPTH)
     yield run.bar(f"{label}: depth at the dam", 100 * (depths * 9 / 4 - 1), -3, 3, "%", "Ritter: 4/9 h0", held)
     yield run.bar(f"{label}: velocity at the dam", 100 * (velocities * 3 / 2 - 1), -3, 3, "%", "Ritter: 2/3 c0", held)
-    yield run.bar(f"{label}: RMS of the profile, x/(c0 t) from -0.6 to 1", 100 * np.mean(errors), 0, 3, "% of h0", "Ritter",
-                  held)
+    yield run.bar(f"{label}: RMS of the profile, x/(c0 t) from -0.6 to 1", 100 * np.mean(errors), 0, 3, "% of h0",
+                  "Ritter", held)
     yield run.bar(f"{label}: speed of the tip (one layer deep)", tip, 1.94, 2.06, "c0", "Ritter: 2 c0, without friction",
                   required=False)
 

@@ -1,8 +1,8 @@
 """The lowest mode of a standing wave in a square tank, 2-D, without viscosity: frequency and damping over ten periods.
 
-Exact for small amplitudes: eta = A sin(w t) cos(k x), w^2 = g k tanh(k H), k = pi/L; here L = H and k A = 0.09, for which
-the frequency is 0.1 % lower. It starts from the level surface, where all energy is kinetic. The horizontal momentum of the
-water goes as cos(w t): its zeros give the frequency, the heights between them the damping.
+Exact for small amplitudes: eta = A sin(w t) cos(k x), w^2 = g k tanh(k H), k = pi/L; here L = H and k A = 0.09, for
+which the frequency is 0.1 % lower. It starts from the level surface, where all energy is kinetic. The horizontal momentum
+of the water goes as cos(w t): its zeros give the frequency, the heights between them the damping.
 """
 
 import numpy as np
@@ -26,7 +26,8 @@ def write_particles(path, layers):
     u = -speed * np.cosh(NUMBER * y) * np.sin(NUMBER * x)
     v = speed * np.sinh(NUMBER * y) * np.cos(NUMBER * x)
     path.parent.mkdir(parents=True, exist_ok=True)
-    np.savetxt(path, np.stack([x, y, u, v, 1000 * GRAVITY * (DEPTH - y)], axis=1), fmt="%.12g", delimiter=",", comments="",
+    pressure = 1000 * GRAVITY * (DEPTH - y)
+    np.savetxt(path, np.stack([x, y, u, v, pressure], axis=1), fmt="%.12g", delimiter=",", comments="",
                header="x [m], y [m], vx [m/s], vy [m/s], p [Pa]")
 
 

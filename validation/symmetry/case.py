@@ -1,9 +1,9 @@
 """A column of water in the middle of a tank collapses to both sides, 2-D: how long it stays its own mirror image, and
 whether momentum is exchanged without loss.
 
-The sums over neighbours run in different orders left and right, so symmetry starts at round-off, and a collapse multiplies
-every difference until it is chaotic: the case measures when. Broken: a particle whose mirror image is more than a tenth of
-a particle distance from every other. The fronts reach the walls at t sqrt(g/H) = 2 to 3.
+The sums over neighbours run in different orders left and right, so symmetry starts at round-off, and a collapse
+multiplies every difference until it is chaotic: the case measures when. Broken: a particle whose mirror image is more than
+a tenth of a particle distance from every other. It must hold until the fronts reach the walls.
 """
 
 import sys
@@ -59,7 +59,8 @@ def measure(context):
         until = times[broken[0]] if len(broken) else times[-1]
         right, left = run.table("gauges/right.csv"), run.table("gauges/left.csv")
         arrival = next((t for t, x in zip(right["t"], right["front"]) if x >= LENGTH - distance), times[-1])
-        fronts = np.abs(np.array(right["front"]) - np.array(left["front"]))[np.array(right["t"]) <= arrival].max() / distance
+        difference = np.abs(np.array(right["front"]) - np.array(left["front"]))
+        fronts = difference[np.array(right["t"]) <= arrival].max() / distance
         context.curve("distance to the mirror image; t sqrt(g/H); log10 of [l0]", label, times * UNIT,
                       np.log10(np.maximum(errors, 1e-8)))
         audit = run.summary["audit"]

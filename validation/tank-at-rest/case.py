@@ -30,9 +30,9 @@ def pressure(context, run, label, dimension, held):
     context.curve("pressure on the bottom; time [s]; error [% of rho g H]", label, time, errors.mean(axis=1))
     late = errors[time >= time[-1] / 2]
     bars = BARS[dimension]
+    bias = bars.get("bias", BARS[2]["bias"])
     yield run.bar(f"{label}: RMS error of the pressure", np.sqrt((late**2).mean()), 0, bars["RMS"], "%", "rho g H", held)
-    yield run.bar(f"{label}: bias of the pressure", late.mean(), -bars.get("bias", 0.5), bars.get("bias", 0.5), "%", "rho g H",
-                  held and "bias" in bars)
+    yield run.bar(f"{label}: bias of the pressure", late.mean(), -bias, bias, "%", "rho g H", held and "bias" in bars)
 
 
 def surface(context, run, label, dimension, distance, held):
