@@ -182,6 +182,37 @@ class PathsTest(RunTest):
         self.assertTrue(all(set(band["conditions"]) == {"blocks", "downstream_depth"} for band in bands))
 
 
+class BlockTableTest(RunTest):
+    def test_tables_go_between_the_marks_of_a_page(self):
+        runs, page = self.folder / "runs", self.folder / "page.md"
+        one = runs / "4-blocks-0.01-m"
+        one.mkdir(parents=True)
+        (one / "displacements.csv").write_text(
+            "block,largest coordinate [m],largest displacement [m],time of largest displacement [s],band low [m],"
+            "band high [m],coordinate against band,displacement against band,published model [m]\n"
+            "A1,0.3,0.25,1.1,,,,,\nB1,0.31,0.24,1.2,0.2,0.26,0.050 above,inside,0.28\n")
+        (one / "summary.json").write_text(json.dumps({
+            "water_particles": 10, "steps": 5, "wall_seconds": 7.4, "volume_drift": 0.004,
+            "extremes": {"water_outside_tank": 0, "water_inside_bodies": 0},
+            "coupling": {"waiting_share_of_wall_time": 0.02}, "solid": {"share_of_wall_time": 0.1}}))
+        page.write_text("before\n<!-- table: begin -->\nold\n<!-- table: end -->\nafter\n")
+        done = run("block_table.py", runs, "--measured", "--into", page)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = page.read_text()
+        self.assertIn("| 4 | 1 cm | B1 | 0.310 | 0.240 | 1.20 | 0.20 to 0.26 | 0.28 | X 0.050 above; displacement inside |",
+                      text)
+        self.assertIn("| 4 | 1 cm | 10 | 5 | 7 | +0.4 % | 0 / 0 | 2.0 % | 10.0 % |", text)
+        self.assertTrue(text.startswith("before\n") and text.endswith("after\n"))
+        self.assertNotIn("A1", text)
+        self.assertNotIn("old", text)
+
+    def test_errors_say_what_is_missing(self):
+        for folder, message in ((self.folder / "none", "is not a folder"), (self.folder, "holds no runs like")):
+            done = run("block_table.py", folder)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(message, done.stderr)
+
+
 class PicturesTest(RunTest):
     def colours(self, name):
         """Shares of the picture that are bluer than red, and the other way round."""
