@@ -46,6 +46,8 @@ class Corrections {
 
   /// Velocity of transport less that of the water, of each own water particle [m/s], as of the last update.
   [[nodiscard]] const std::vector<Triple>& shift() const { return shift_; }
+  /// Of all particles, as of the last update.
+  [[nodiscard]] const std::vector<Correction>& of_particles() const { return correction_; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:

@@ -1,6 +1,11 @@
 // Small scenes for the tests of the core.
 #pragma once
 
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/periodic.hpp"
 #include "scene/scene.hpp"
 
 namespace embacle::mps::test {
@@ -39,6 +44,45 @@ inline Scene collapsing_column(int dimension, int n, double particle_distance = 
   scene.title = "collapsing column";
   scene.walls.front().region.upper[0] *= 2;
   scene.output.audit = true;
+  return scene;
+}
+
+/// Water that fills a domain of n particles each way, periodic in all directions, without gravity.
+inline Scene endless_water(int dimension, int n, double particle_distance = 0.01) {
+  Scene scene = still_tank(dimension, n, particle_distance);
+  scene.walls.clear();
+  scene.fluid.gravity = {};
+  scene.domain = scene.water.front().region;
+  scene.periodic = {"x", "y"};
+  if (dimension == 3) scene.periodic.emplace_back("z");
+  return scene;
+}
+
+/// Disordered vortices in it: particles off the lattice by a tenth, all displaced by `shift` periods.
+inline Scene vortices(int dimension, int n, double shift = 0) {
+  Scene scene = endless_water(dimension, n);
+  scene.numerics.reference_speed = 1;
+  const double l0 = scene.numerics.particle_distance;
+  const double length = n * l0;
+  Water& water = scene.water.front();
+  water.kind = Water::Kind::table;
+  water.table.has_velocity = true;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> off(-0.1 * l0, 0.1 * l0);
+  const Periodic periodic = periodic_of(scene);
+  for (int k = 0; k < (dimension == 3 ? n : 1); ++k) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        Vec3d x{(i + 0.5) * l0 + off(random), (j + 0.5) * l0 + off(random), 0};
+        if (dimension == 3) x[2] = (k + 0.5) * l0 + off(random);
+        const double a = 2 * std::numbers::pi / length;
+        const Vec3d v{std::sin(a * x[0]) * std::cos(a * x[1]), -std::cos(a * x[0]) * std::sin(a * x[1]), 0};
+        for (int c = 0; c < dimension; ++c) x[c] += shift * length;
+        periodic.wrap(x.data());
+        water.table.rows.push_back({x, v});
+      }
+    }
+  }
   return scene;
 }
 
