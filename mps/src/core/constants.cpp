@@ -109,6 +109,8 @@ Constants constants_of(const Scene& scene) {
   c.artificial_viscosity = scene.numerics.artificial_viscosity * c.sound_speed * c.particle_distance;
   c.density_diffusion = scene.numerics.density_diffusion * c.sound_speed * c.particle_distance;
   c.shifting = scene.numerics.shifting;
+  c.crowding_factor =
+      c.dimension / lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support).weight;
   c.collision_distance = scene.numerics.collision_distance * c.particle_distance;
   c.collision_restitution = scene.numerics.collision_restitution;
   return c;

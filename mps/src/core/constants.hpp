@@ -30,6 +30,7 @@ struct Constants {
   double artificial_viscosity = 0;  ///< alpha c0 l0 [m^2/s]
   double density_diffusion = 0;     ///< delta' c0 l0 [m^2/s]
   double shifting = 0;              ///< strength of particle shifting, 1 as published
+  double crowding_factor = 0;       ///< d/n0 of the rational weight, by which particles are shifted
   double collision_distance = 0;    ///< [m]
   double collision_restitution = 0;
   LatticeSums lattice;

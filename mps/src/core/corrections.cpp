@@ -70,6 +70,7 @@ void Corrections::update(Particles& particles, const Neighbours& neighbours, Hal
 template <int D, KernelKind K>
 void Corrections::measure(const Particles& particles, const Neighbours& neighbours, double fastest) {
   const Kernel<K> kernel{1.0 / constants_.support};
+  const Kernel<KernelKind::rational> crowding{1.0 / constants_.support};
   const Record* records = particles.record.data();
   concentration_.resize(particles.water);
   shift_.resize(particles.water);
@@ -88,13 +89,14 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
       weight += w;
       laplacian += w * r2;
       const Pack fx = f * dx, fy = f * dy, fz = f * dz;
-      gx += fx;
-      gy += fy;
+      const Pack push = crowding.gradient_weight(square_root(r2), max_zero);
+      gx += push * dx;
+      gy += push * dy;
       xx += fx * dx;
       yy += fy * dy;
       xy += fx * dy;
       if constexpr (D == 3) {
-        gz += fz;
+        gz += push * dz;
         zz += fz * dz;
         yz += fy * dz;
         zx += fz * dx;
@@ -114,7 +116,7 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
     const double steepness = std::sqrt(inner_product(gradient, gradient));
     const double local = std::min(fastest, 2 * std::sqrt(largest(speed)));
     const double scale =
-        -2 * constants_.particle_distance * local * constants_.shifting * 2 * constants_.gradient_factor;
+        -2 * constants_.particle_distance * local * constants_.shifting * 2 * constants_.crowding_factor;
     const double bounded = std::min(1.0, steepness > 0 ? 0.5 * local / (std::abs(scale) * steepness + 1e-300) : 1.0);
     for (int c = 0; c < 3; ++c) shift_[i][c] = scale * bounded * gradient[c];
     if (concentration_[i] >= surface_concentration) continue;

@@ -26,10 +26,12 @@ struct alignas(64) Correction {
 /// below 0.5) linear fields are exact:
 ///   ds/dt = -(d/n0) SUM (v_j - v_i).B_i r F + diffusion + u.grad s
 ///   a_i   = -(d/(rho0 n0)) SUM (p_i B_j + p_j B_i) r F + viscosity + u.grad v + g
-/// (pair terms antisymmetric: linear momentum is exact). Where p_i < 0 in the interior, B_i (p_j - p_i) stands instead,
-/// which cannot pull particles into clumps (tensile control; Sun et al. 2018, doi:10.1016/j.cma.2018.01.014).
-/// Particles are transported with v + u, u = -2 l0 U s grad C, |u| <= U/2, with the concentration gradient of thesis
-/// eq 5.33 (C_i, C_j = 1), and U twice the largest relative speed within the support, at most the largest speed of all;
+/// (the pair terms of pressure and viscosity are antisymmetric). Where p_i < 0 in the interior, B_i (p_j - p_i) stands
+/// instead, which cannot pull particles into clumps (tensile control; Sun et al. 2018, doi:10.1016/j.cma.2018.01.014).
+/// That and u.grad v are what linear momentum is not exact for. Particles are transported with v + u, u = -2 l0 U s
+/// grad C, |u| <= U/2, with the concentration gradient of thesis eq 5.33 (C_i, C_j = 1), by the rational weight
+/// whatever the kernel: that of `wendland` pushes least where particles are closest, and voids that open in shear are
+/// taken for free surfaces. U is twice the largest relative speed within the support, at most the largest speed of all;
 /// near the free surface only the part of u that does not lead out of the water (thesis eq 5.36; Jandaghian &
 /// Shakibaeinia 2020, doi:10.1016/j.cma.2019.112700). The last terms above carry s and v along with u (ALE).
 class Corrections {
