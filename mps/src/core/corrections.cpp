@@ -58,6 +58,8 @@ double largest(Pack value) { return std::max(std::max(value[0], value[1]), std::
 }  // namespace
 
 void Corrections::update(Particles& particles, const Neighbours& neighbours, Halo& halo, double fastest) {
+  make_room(correction_, particles.record.size());
+  make_room(surface_, particles.record.size());
   correction_.assign(particles.record.size(), {});
   surface_.assign(particles.record.size(), {});
   dispatch(constants_, [&]<int D, KernelKind K>() { measure<D, K>(particles, neighbours, fastest); });
@@ -72,8 +74,8 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
   const Kernel<K> kernel{1.0 / constants_.support};
   const Kernel<KernelKind::rational> crowding{1.0 / constants_.support};
   const Record* records = particles.record.data();
-  concentration_.resize(particles.water);
-  shift_.resize(particles.water);
+  resize(concentration_, particles.water);
+  resize(shift_, particles.water);
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
@@ -192,8 +194,7 @@ void Corrections::classify(const Particles& particles, const Neighbours& neighbo
   }
 }
 
-void Corrections::advance_density(Particles& particles, const Neighbours& neighbours, std::vector<double>& rate) const {
-  rate.resize(particles.water);
+void Corrections::advance_density(Particles& particles, const Neighbours& neighbours) const {
   dispatch(constants_, [&]<int D, KernelKind K>() {
     const Constants& c = constants_;
     const Kernel<K> kernel{1.0 / c.support};
@@ -223,20 +224,21 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
       };
       for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
       for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
-      rate[i] = c.gradient_factor * (horizontal_sum(carried) - horizontal_sum(divergence)) +
-                diffusion * horizontal_sum(laplacian);
+      particles.record[i].p = c.gradient_factor * (horizontal_sum(carried) - horizontal_sum(divergence)) +
+                              diffusion * horizontal_sum(laplacian);  // as in operators.cpp
     }
   });
   for (std::size_t i = 0; i < particles.water; ++i) {
     Record& record = particles.record[i];
-    record.s = std::max(least_density, record.s + constants_.step * rate[i]);
+    record.s = std::max(least_density, record.s + constants_.step * record.p);
     record.p = pressure_of(record.s, constants_);
   }
 }
 
 void Corrections::accelerate(const Particles& particles, const Neighbours& neighbours,
                              std::vector<Triple>& acceleration, std::vector<Triple>& reaction) const {
-  acceleration.resize(particles.water);
+  resize(acceleration, particles.water);
+  make_room(reaction, reaction_slots(particles));
   reaction.assign(reaction_slots(particles), Triple{});
   dispatch(constants_, [&]<int D, KernelKind K>() {
     const Constants& c = constants_;

@@ -42,7 +42,7 @@ class Corrections {
   /// `fastest`: largest speed of all water [m/s].
   void update(Particles& particles, const Neighbours& neighbours, Halo& halo, double fastest);
   /// As advance_density() and accelerate() of operators.hpp, corrected.
-  void advance_density(Particles& particles, const Neighbours& neighbours, std::vector<double>& rate) const;
+  void advance_density(Particles& particles, const Neighbours& neighbours) const;
   void accelerate(const Particles& particles, const Neighbours& neighbours, std::vector<Triple>& acceleration,
                   std::vector<Triple>& reaction) const;
 

@@ -30,8 +30,8 @@ void Displacements::remember(const Particles& particles) {
   while (count(0) * count(1) * count(2) > 8.0 * static_cast<double>(n + 8)) block *= 2;  // strays far away
   for (int c = 0; c < 3; ++c) blocks_[c] = static_cast<int>(count(c));
   limit_ = static_cast<float>(skin_ - 4 * std::numeric_limits<float>::epsilon() * extent);
-  place_.resize(n);
-  block_of_.resize(n);
+  resize(place_, n);
+  resize(block_of_, n);
   for (std::size_t i = 0; i < n; ++i) {
     std::uint32_t index = 0;
     for (int c = 2; c >= 0; --c) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "embacle/coupling/types.hpp"
@@ -226,6 +227,26 @@ void Neighbours::for_occupied_cells(const Bins& bins, const Visit& visit) const 
   }
 }
 
+std::size_t Neighbours::expected_entries(const Bins& bins, std::uint32_t own, const Bins& around) const {
+  double volume = dimension_ == 3 ? 4.0 / 3.0 * std::numbers::pi : std::numbers::pi;
+  for (int c = 0; c < dimension_; ++c) volume *= radius_ / ((2 * cells_per_radius[c] + 1) * cell_[c]);
+  double entries = 0;
+  for_occupied_cells(bins, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
+    const auto owned = std::count_if(&bins.index[first], &bins.index[last], [&](auto i) { return i < own; });
+    if (owned == 0) return;
+    std::uint32_t candidates = 0;
+    for (int k = std::max(0, cell[2] - 1); k <= std::min(cells_[2] - 1, cell[2] + 1); ++k) {
+      for (int j = std::max(0, cell[1] - 1); j <= std::min(cells_[1] - 1, cell[1] + 1); ++j) {
+        const std::size_t row = (static_cast<std::size_t>(k) * cells_[1] + j) * cells_[0];
+        candidates += around.first[row + std::min(cells_[0] - 1, cell[0] + cells_per_radius[0]) + 1] -
+                      around.first[row + std::max(0, cell[0] - cells_per_radius[0])];
+      }
+    }
+    if (candidates > 0) entries += static_cast<double>(owned) * (volume * candidates + 0.5 * (lanes - 1));
+  });
+  return static_cast<std::size_t>(1.03 * entries);
+}
+
 void Neighbours::survey(const Particles& particles, const std::vector<Traveller>& ghost_water) {
   const std::size_t own = particles.water;
   const auto place = [&](std::size_t k) { return k < own ? particles.record[k].x : ghost_water[k - own].record.x; };
@@ -270,16 +291,24 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
   // Drops what `hidden` tells of the first `n` entries, then pads; appends the rest.
   const auto append = [&](std::vector<std::uint32_t>& lists, std::size_t n, const auto& hidden) {
     n = static_cast<std::size_t>(std::remove_if(list.begin(), list.begin() + n, hidden) - list.begin());
+    const std::size_t needed = lists.size() + n + lanes;
+    if (needed > lists.capacity()) lists.reserve(needed + needed / 16);
     lists.insert(lists.end(), list.begin(), list.begin() + n);
     while (lists.size() % lanes != 0) lists.push_back(sentinel);
     return n;
   };
   const auto nothing = [](std::uint32_t) { return false; };
 
+  // The lists are most of a rank's memory: as much as they will need, not twice that.
+  const auto own_water = static_cast<std::uint32_t>(particles.water), own = static_cast<std::uint32_t>(particles.own());
   index_.clear();
-  begin_.resize(particles.water);
-  water_count_.resize(particles.water);
-  count_.resize(particles.water);
+  if (index_.capacity() == 0) {
+    index_.reserve(expected_entries(water_, own_water, water_) + expected_entries(water_, own_water, solid_));
+    wet_index_.reserve(expected_entries(solid_, own, water_));
+  }
+  resize(begin_, particles.water);
+  resize(water_count_, particles.water);
+  resize(count_, particles.water);
   for_occupied_cells(water_, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
     if (std::none_of(&water_.index[first], &water_.index[last], [&](auto i) { return i < particles.water; })) return;
     gather(water_, cell, water_around);
@@ -290,7 +319,8 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
       if (i >= particles.water) continue;
       const double* x = particles.record[i].x;
       const bool sided = !thin.empty() && near_thin(x);
-      begin_[i] = index_.size();
+      const std::size_t begin = index_.size();
+      begin_[i] = static_cast<std::uint32_t>(begin / lanes);
       std::size_t found = select(water_around, x, i, list);
       if (sided) {
         append(index_, found, [&](std::uint32_t j) {
@@ -301,7 +331,7 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
       } else {
         append(index_, found, nothing);
       }
-      water_count_[i] = count_of(index_.size() - begin_[i]);
+      water_count_[i] = count_of(index_.size() - begin);
       if (solids) {
         found = select(solid_around, x, nobody, list);
         if (sided) {
@@ -313,7 +343,7 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
           append(index_, found, nothing);
         }
       }
-      count_[i] = count_of(index_.size() - begin_[i]);
+      count_[i] = count_of(index_.size() - begin);
     }
   });
 
@@ -333,14 +363,15 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
       });
       if (kept == 0) continue;
       wet_points_.push_back(b);
-      wet_begin_.push_back(wet_index_.size());
+      wet_begin_.push_back(static_cast<std::uint32_t>(wet_index_.size() / lanes));
     }
   });
+  for (auto* lists : {&index_, &wet_index_}) make_room(*lists, lists->size());
 }
 
 std::size_t Neighbours::bytes() const {
   return sizeof(std::uint32_t) * (index_.capacity() + wet_index_.capacity() + wet_points_.capacity()) +
-         sizeof(std::size_t) * (begin_.capacity() + wet_begin_.capacity()) +
+         sizeof(std::uint32_t) * (begin_.capacity() + wet_begin_.capacity()) +
          sizeof(std::uint16_t) * (water_count_.capacity() + count_.capacity());
 }
 

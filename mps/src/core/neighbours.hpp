@@ -33,14 +33,15 @@ class Neighbours {
   void build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin);
 
   [[nodiscard]] NeighbourRange of_water(std::size_t i) const {
-    const std::uint32_t* first = index_.data() + begin_[i];
+    const std::uint32_t* first = index_.data() + lanes * std::size_t{begin_[i]};
     return {first, first + water_count_[i], first + count_[i]};
   }
   /// Own solid points that have water near, as indices into the records, and their water.
   [[nodiscard]] const std::vector<std::uint32_t>& wet_points() const { return wet_points_; }
   [[nodiscard]] NeighbourRange of_wet_point(std::size_t k) const {
     const std::uint32_t* base = wet_index_.data();
-    return {base + wet_begin_[k], base + wet_begin_[k + 1], base + wet_begin_[k + 1]};
+    const std::uint32_t* end = base + lanes * std::size_t{wet_begin_[k + 1]};
+    return {base + lanes * std::size_t{wet_begin_[k]}, end, end};
   }
   /// Directed pairs in all lists, padding included.
   [[nodiscard]] std::size_t pairs() const { return index_.size() + wet_index_.size(); }
@@ -79,6 +80,9 @@ class Neighbours {
   /// Writes the indices of the surroundings within the radius of a place, but for `self`, and returns their number.
   std::size_t select(const Surroundings& around, const double* x, std::uint32_t self,
                      std::vector<std::uint32_t>& list) const;
+  /// Expected number of entries in the lists of the points with an index below `own`, of what `around` holds: the share
+  /// of the cells around one that lies within the radius. Padding included.
+  [[nodiscard]] std::size_t expected_entries(const Bins& bins, std::uint32_t own, const Bins& around) const;
   /// Calls `visit(cell, first, last)` for every cell in which the bins hold something: its coordinates, its range.
   template <class Visit>
   void for_occupied_cells(const Bins& bins, const Visit& visit) const;
@@ -97,7 +101,7 @@ class Neighbours {
   std::vector<std::uint32_t> cells_of_points_, next_;  ///< scratch
   std::vector<char> near_water_, near_solid_;          ///< per cell
   std::vector<std::uint32_t> index_, wet_index_;
-  std::vector<std::size_t> begin_, wet_begin_;
+  std::vector<std::uint32_t> begin_, wet_begin_;    ///< first pack of each list
   std::vector<std::uint16_t> water_count_, count_;  ///< with padding, of the list of each own water particle
   std::vector<std::uint32_t> wet_points_;
 };

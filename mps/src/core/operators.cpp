@@ -9,8 +9,7 @@ namespace embacle::mps {
 namespace {
 
 template <int D, KernelKind K>
-void density_rate(const Particles& particles, const Neighbours& neighbours, const Constants& c,
-                  std::vector<double>& rate) {
+void density_rate(Particles& particles, const Neighbours& neighbours, const Constants& c) {
   const Kernel<K> kernel{1.0 / c.support};
   const Record* records = particles.record.data();
   const double inverse_c2 = 1.0 / (c.sound_speed * c.sound_speed);
@@ -20,7 +19,6 @@ void density_rate(const Particles& particles, const Neighbours& neighbours, cons
   // Geometry of the middle of the step that led here: with that of its end, compression and expansion along the same
   // way do not cancel, and water gains volume and energy in proportion to the step.
   const double half = 0.5 * c.step;
-  rate.resize(particles.water);
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
@@ -41,7 +39,8 @@ void density_rate(const Particles& particles, const Neighbours& neighbours, cons
     };
     for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
     for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
-    rate[i] = -c.gradient_factor * horizontal_sum(divergence) + diffusion * horizontal_sum(laplacian);
+    // In place of the pressure, which the sweep does not read and which is due next.
+    particles.record[i].p = -c.gradient_factor * horizontal_sum(divergence) + diffusion * horizontal_sum(laplacian);
   }
 }
 
@@ -87,7 +86,8 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
   const double water_impulse = 0.5 * (1.0 + c.collision_restitution) / c.step;
   const double solid_impulse = (1.0 + c.collision_restitution) / c.step;
 
-  acceleration.resize(particles.water);
+  resize(acceleration, particles.water);
+  make_room(reaction, reaction_slots(particles));
   reaction.assign(reaction_slots(particles), Triple{});
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& me = records[i];
@@ -133,12 +133,11 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
 
 }  // namespace
 
-void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                     std::vector<double>& rate) {
-  dispatch(constants, [&]<int D, KernelKind K>() { density_rate<D, K>(particles, neighbours, constants, rate); });
+void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants) {
+  dispatch(constants, [&]<int D, KernelKind K>() { density_rate<D, K>(particles, neighbours, constants); });
   for (std::size_t i = 0; i < particles.water; ++i) {
     Record& record = particles.record[i];
-    record.s += constants.step * rate[i];
+    record.s += constants.step * record.p;
     record.p = pressure_of(record.s, constants);
   }
 }

@@ -17,9 +17,7 @@ using Triple = std::array<double, 3>;
 /// the first sum over all neighbours, the second over water only, r_ij = r_j - r_i, F = W/r^2: thesis eq 5.16 with unit
 /// weights, and eq 5.30 with the hydrostatic part removed and a coefficient that does not depend on the time step
 /// (Fourtakas et al. 2019, doi:10.1016/j.compfluid.2019.06.009). Then p from the equation of state.
-/// `rate` is scratch.
-void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                     std::vector<double>& rate);
+void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants);
 
 /// Pressure of the own solid points near water, extrapolated from it (Adami et al. 2012,
 /// doi:10.1016/j.jcp.2012.05.005):

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/room.hpp"
 #include "core/simd.hpp"
 
 namespace embacle::mps {
@@ -72,8 +73,8 @@ class Particles {
   [[nodiscard]] std::size_t ghost_solid_begin() const { return own() + ghost_water; }
   [[nodiscard]] bool is_water(std::size_t i) const { return i < water || (i >= own() && i < ghost_solid_begin()); }
 
-  /// Replaces everything by this own water; no solids, no ghosts.
-  void assign(const std::vector<Traveller>& own_water);
+  /// Replaces everything by this own water, in the given order; no solids, no ghosts.
+  void assign(const std::vector<Traveller>& own_water, const std::vector<std::uint32_t>& order = {});
   /// Appends the solid points and the ghosts to own water.
   void append(const std::vector<Traveller>& own_solid, const std::vector<Traveller>& water_ghosts,
               const std::vector<Traveller>& solid_ghosts);
@@ -97,10 +98,19 @@ inline void Particles::push(const std::vector<Traveller>& travellers) {
   }
 }
 
-inline void Particles::assign(const std::vector<Traveller>& own_water) {
+inline void Particles::assign(const std::vector<Traveller>& own_water, const std::vector<std::uint32_t>& order) {
   record.clear();
   identity.clear();
-  push(own_water);
+  record.reserve(own_water.size() + 1);
+  identity.reserve(own_water.size() + 1);
+  if (order.empty()) {
+    push(own_water);
+  } else {
+    for (const std::uint32_t i : order) {
+      record.push_back(own_water[i].record);
+      identity.push_back(own_water[i].identity);
+    }
+  }
   water = own_water.size();
   solid = ghost_water = ghost_solid = 0;
   put_sentinel();
@@ -110,6 +120,9 @@ inline void Particles::append(const std::vector<Traveller>& own_solid, const std
                               const std::vector<Traveller>& solid_ghosts) {
   record.resize(water);
   identity.resize(water);
+  const std::size_t total = water + own_solid.size() + water_ghosts.size() + solid_ghosts.size() + 1;
+  make_room(record, total);
+  make_room(identity, total);
   push(own_solid);
   push(water_ghosts);
   push(solid_ghosts);

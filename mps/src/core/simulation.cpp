@@ -30,9 +30,9 @@ void Simulation::step(double share_of_window) {
   {
     const Timer timer(phases_, Phase::continuity);
     if (corrections_) {
-      corrections_->advance_density(particles_, neighbours_, density_rate_);
+      corrections_->advance_density(particles_, neighbours_);
     } else {
-      advance_density(particles_, neighbours_, constants_, density_rate_);
+      advance_density(particles_, neighbours_, constants_);
     }
   }
   evaluate_forces(time_ + constants_.step);
@@ -135,25 +135,15 @@ void Simulation::find_neighbours(double time) {
   std::vector<Traveller> solid;
   {
     const Timer timer(phases_, Phase::search);
-    const auto wrap = [&](std::vector<Traveller>& travellers) {
-      if (!constants_.periodic.any()) return;
-      for (Traveller& traveller : travellers) constants_.periodic.wrap(traveller.record.x);
-    };
     auto water = own_water();
-    wrap(water);
+    if (constants_.periodic.any()) {
+      for (Traveller& traveller : water) constants_.periodic.wrap(traveller.record.x);
+    }
     halo_.migrate(decomposition_, reach, anywhere_, water);
     place_wall_points(time);
-    if (anywhere_ || walls_.any_moves()) {
-      wrap(wall_points_);
-      halo_.migrate(decomposition_, reach, anywhere_, wall_points_);
-      std::sort(wall_points_.begin(), wall_points_.end(),  // the same order whatever way they came
-                [](const Traveller& a, const Traveller& b) { return a.identity.id < b.identity.id; });
-    }
+    if (anywhere_ || walls_.any_moves()) migrate_wall_points(reach);
     anywhere_ = false;
-    const auto order = neighbours_.cell_order(water);
-    std::vector<Traveller> sorted(water.size());
-    for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = water[order[i]];
-    particles_.assign(sorted);
+    particles_.assign(water, neighbours_.cell_order(water));
   }
   std::vector<Traveller> ghost_water, ghost_solid;
   {
@@ -180,19 +170,44 @@ void Simulation::find_neighbours(double time) {
   ++counters_.builds;
 }
 
-void Simulation::adopt_walls(std::vector<Traveller> points) {
-  wall_points_ = std::move(points);
-  for (Traveller& point : wall_points_) std::copy_n(point.record.x, 3, point.record.v);
+void Simulation::adopt_walls(const std::vector<Traveller>& points) {
+  std::vector<WallPoint> adopted(points.size());  // all at once: no larger than needed
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    std::copy_n(points[k].record.x, 3, adopted[k].at_zero);
+    adopted[k].identity = points[k].identity;
+  }
+  wall_points_ = std::move(adopted);
 }
 
 /// Moves the stored wall points to where they are at `time`.
 void Simulation::place_wall_points(double time) {
   if (!walls_.any_moves()) return;
-  std::vector<Vec3d> moved(walls_.count());
-  for (int w = 0; w < walls_.count(); ++w) moved[w] = walls_.displacement_at(w, time);
-  for (Traveller& point : wall_points_) {
-    for (int c = 0; c < 3; ++c) point.record.x[c] = point.record.v[c] + moved[point.identity.owner][c];
+  wall_moved_.resize(walls_.count());
+  for (int w = 0; w < walls_.count(); ++w) wall_moved_[w] = walls_.displacement_at(w, time);
+}
+
+/// A stored wall point at rest where it was at the last build.
+Record Simulation::place_of(const WallPoint& point) const {
+  Record record;
+  std::copy_n(point.at_zero, 3, record.x);
+  if (!wall_moved_.empty()) {
+    for (int c = 0; c < 3; ++c) record.x[c] += wall_moved_[point.identity.owner][c];
   }
+  constants_.periodic.wrap(record.x);
+  return record;
+}
+
+void Simulation::migrate_wall_points(double reach) {
+  std::vector<Traveller> travellers(wall_points_.size());
+  for (std::size_t k = 0; k < travellers.size(); ++k) {
+    travellers[k] = {place_of(wall_points_[k]), wall_points_[k].identity};
+    std::copy_n(wall_points_[k].at_zero, 3, travellers[k].record.v);
+  }
+  halo_.migrate(decomposition_, reach, anywhere_, travellers);
+  std::sort(travellers.begin(), travellers.end(),  // the same order whatever way they came
+            [](const Traveller& a, const Traveller& b) { return a.identity.id < b.identity.id; });
+  for (Traveller& traveller : travellers) std::copy_n(traveller.record.v, 3, traveller.record.x);
+  adopt_walls(travellers);
 }
 
 /// Copies of the stored wall points that water can feel, with the velocity of their wall.
@@ -200,9 +215,10 @@ std::vector<Traveller> Simulation::wall_points_near_water(double time) const {
   std::vector<Vec3d> velocity(walls_.count());
   for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time - constants_.step, constants_.step);
   std::vector<Traveller> result;
-  for (const Traveller& point : wall_points_) {
-    if (!neighbours_.near_water(point.record.x)) continue;
-    result.push_back(point);
+  for (const WallPoint& point : wall_points_) {
+    const Record record = place_of(point);
+    if (!neighbours_.near_water(record.x)) continue;
+    result.push_back({record, point.identity});
     for (int c = 0; c < 3; ++c) result.back().record.v[c] = velocity[point.identity.owner][c];
   }
   return result;
@@ -321,7 +337,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   InitialParticles initial = fill(scene, constants_, walls_, rank_, size);
   warnings_ = std::move(initial.warnings);
   particles_.assign(initial.water);
-  adopt_walls(std::move(initial.walls));
+  adopt_walls(initial.walls);
   if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
   decompose();
 }
@@ -391,7 +407,7 @@ void Simulation::decompose() {
     weights.push_back(weight);
   };
   for (std::size_t i = 0; i < particles_.water; ++i) add(particles_.record[i], 1.0F);
-  for (const Traveller& point : wall_points_) add(point.record, 0.02F);
+  for (const WallPoint& point : wall_points_) add(place_of(point), 0.02F);
   for (const std::uint32_t b : neighbours_.wet_points()) {
     if (particles_.identity[b].owner < walls_.count()) add(particles_.record[b], 0.28F);
   }
@@ -453,10 +469,9 @@ void Simulation::check_window() {
 
 std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
-         wall_points_.capacity() * sizeof(Traveller) +
+         wall_points_.capacity() * sizeof(WallPoint) +
          (acceleration_.capacity() + reaction_.capacity()) * sizeof(Triple) + displacements_.bytes() +
-         density_rate_.capacity() * sizeof(double) + (bodies_ ? bodies_->bytes() : 0) +
-         (corrections_ ? corrections_->bytes() : 0);
+         (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0);
 }
 
 }  // namespace embacle::mps

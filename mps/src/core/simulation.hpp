@@ -90,6 +90,12 @@ class Simulation {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  /// A wall point as it is kept: most are dry.
+  struct WallPoint {
+    double at_zero[3];  ///< position at time zero [m]
+    Identity identity;
+  };
+
   void step(double share_of_window);
   void move(double step);
   void synchronise();                 ///< agrees on stale lists, on failures and on requests
@@ -104,8 +110,10 @@ class Simulation {
   void check_window();
   void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
-  void adopt_walls(std::vector<Traveller> points);
+  void adopt_walls(const std::vector<Traveller>& points);
   void place_wall_points(double time);
+  [[nodiscard]] Record place_of(const WallPoint& point) const;
+  void migrate_wall_points(double reach);
   [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time) const;
 
   const Scene& scene_;
@@ -121,14 +129,13 @@ class Simulation {
   Neighbours neighbours_;
   Displacements displacements_;
   Particles particles_;
-  /// All wall points in this rank's part of space; those near water have a copy among the particles. Position: at the
-  /// last build; in place of the velocity: the position at time zero.
-  std::vector<Traveller> wall_points_;
+  /// All wall points in this rank's part of space; those near water have a copy among the particles.
+  std::vector<WallPoint> wall_points_;
+  std::vector<Vec3d> wall_moved_;  ///< displacement of each wall since time zero, at the last build; empty: all at rest
   std::optional<Bodies> bodies_;
   std::optional<Corrections> corrections_;
   int steps_per_window_ = 1;
 
-  std::vector<double> density_rate_;
   std::vector<Triple> acceleration_, reaction_, point_acceleration_;
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body
   Triple guard_reaction_{};                  ///< of the guard on all walls [N]
