@@ -75,6 +75,23 @@ double dot(const double* a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] +
 
 }  // namespace
 
+std::int64_t interactions(const Particles& particles, const Neighbours& neighbours, double support) {
+  if (neighbours.pairs() == 0) return 0;  // no lists yet
+  const auto within = [&](std::size_t i, const NeighbourRange& range) {
+    const double* x = particles.record[i].x;
+    return std::count_if(range.begin, range.end, [&](std::uint32_t j) {
+      const double* y = particles.record[j].x;
+      const double r[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+      return r[0] * r[0] + r[1] * r[1] + r[2] * r[2] < support * support;
+    });
+  };
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < particles.water; ++i) count += 2 * within(i, neighbours.of_water(i));
+  const auto& wet = neighbours.wet_points();
+  for (std::size_t k = 0; k < wet.size(); ++k) count += within(wet[k], neighbours.of_wet_point(k));
+  return count;
+}
+
 WaterState measure(const Simulation& simulation, const Scene& scene) {
   const Constants& c = simulation.constants();
   const Particles& particles = simulation.particles();

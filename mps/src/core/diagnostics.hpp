@@ -29,6 +29,10 @@ struct WaterState {
   double farthest_outside_tank = 0;  ///< [m]
 };
 
+/// Directed pairs that this rank's sweeps of a step go through and that lie within the support: those of water in two
+/// sweeps, those of wet solid points in one. Not collective.
+[[nodiscard]] std::int64_t interactions(const Particles& particles, const Neighbours& neighbours, double support);
+
 [[nodiscard]] WaterState measure(const Simulation& simulation, const Scene& scene);
 
 /// Water level [m] (along the direction against gravity) in the column at `gauge.position`: top of the highest particle

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "embacle/coupling/types.hpp"
@@ -227,24 +226,25 @@ void Neighbours::for_occupied_cells(const Bins& bins, const Visit& visit) const 
   }
 }
 
-std::size_t Neighbours::expected_entries(const Bins& bins, std::uint32_t own, const Bins& around) const {
-  double volume = dimension_ == 3 ? 4.0 / 3.0 * std::numbers::pi : std::numbers::pi;
-  for (int c = 0; c < dimension_; ++c) volume *= radius_ / ((2 * cells_per_radius[c] + 1) * cell_[c]);
-  double entries = 0;
+std::size_t Neighbours::expected_entries(const Particles& particles, const Bins& bins, const Bins& around,
+                                         std::size_t own) const {
+  constexpr int every = 17;
+  Surroundings found;
+  std::vector<std::uint32_t> list;
+  std::size_t entries = 0, points = 0, sampled = 0, cells = 0;
   for_occupied_cells(bins, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
-    const auto owned = std::count_if(&bins.index[first], &bins.index[last], [&](auto i) { return i < own; });
-    if (owned == 0) return;
-    std::uint32_t candidates = 0;
-    for (int k = std::max(0, cell[2] - 1); k <= std::min(cells_[2] - 1, cell[2] + 1); ++k) {
-      for (int j = std::max(0, cell[1] - 1); j <= std::min(cells_[1] - 1, cell[1] + 1); ++j) {
-        const std::size_t row = (static_cast<std::size_t>(k) * cells_[1] + j) * cells_[0];
-        candidates += around.first[row + std::min(cells_[0] - 1, cell[0] + cells_per_radius[0]) + 1] -
-                      around.first[row + std::max(0, cell[0] - cells_per_radius[0])];
-      }
+    points += last - first;
+    if (cells++ % every != 0) return;
+    sampled += last - first;
+    gather(around, cell, found);
+    for (std::uint32_t m = first; m < last; ++m) {
+      if (bins.index[m] >= own) continue;
+      entries += select(found, particles.record[bins.index[m]].x, bins.index[m], list) + lanes / 2;
     }
-    if (candidates > 0) entries += static_cast<double>(owned) * (volume * candidates + 0.5 * (lanes - 1));
   });
-  return static_cast<std::size_t>(1.03 * entries);
+  if (sampled == 0) return 0;
+  return static_cast<std::size_t>(1.03 * static_cast<double>(entries) * static_cast<double>(points) /
+                                  static_cast<double>(sampled));
 }
 
 void Neighbours::survey(const Particles& particles, const std::vector<Traveller>& ghost_water) {
@@ -300,11 +300,11 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
   const auto nothing = [](std::uint32_t) { return false; };
 
   // The lists are most of a rank's memory: as much as they will need, not twice that.
-  const auto own_water = static_cast<std::uint32_t>(particles.water), own = static_cast<std::uint32_t>(particles.own());
   index_.clear();
   if (index_.capacity() == 0) {
-    index_.reserve(expected_entries(water_, own_water, water_) + expected_entries(water_, own_water, solid_));
-    wet_index_.reserve(expected_entries(solid_, own, water_));
+    index_.reserve(expected_entries(particles, water_, water_, particles.water) +
+                   expected_entries(particles, water_, solid_, particles.water));
+    wet_index_.reserve(expected_entries(particles, solid_, water_, particles.own()));
   }
   resize(begin_, particles.water);
   resize(water_count_, particles.water);

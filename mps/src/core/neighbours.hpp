@@ -80,9 +80,10 @@ class Neighbours {
   /// Writes the indices of the surroundings within the radius of a place, but for `self`, and returns their number.
   std::size_t select(const Surroundings& around, const double* x, std::uint32_t self,
                      std::vector<std::uint32_t>& list) const;
-  /// Expected number of entries in the lists of the points with an index below `own`, of what `around` holds: the share
-  /// of the cells around one that lies within the radius. Padding included.
-  [[nodiscard]] std::size_t expected_entries(const Bins& bins, std::uint32_t own, const Bins& around) const;
+  /// Number of entries to expect in the lists of the points with an index below `own`, of what `around` holds: from
+  /// those of every so many cells. Padding included.
+  [[nodiscard]] std::size_t expected_entries(const Particles& particles, const Bins& bins, const Bins& around,
+                                             std::size_t own) const;
   /// Calls `visit(cell, first, last)` for every cell in which the bins hold something: its coordinates, its range.
   template <class Visit>
   void for_occupied_cells(const Bins& bins, const Visit& visit) const;

@@ -1,6 +1,7 @@
 #include "core/recorder.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -160,6 +161,8 @@ void Recorder::write_gauges() {
 
 void Recorder::write_energies() {
   now_ = measure(simulation_, scene_);
+  interactions_ += interactions(simulation_.particles(), simulation_.neighbours(), simulation_.constants().support);
+  listed_ += static_cast<std::int64_t>(2 * simulation_.neighbours().pairs());  // as Counters::pair_sweeps
   if (start_.particles == 0) {
     start_ = now_;
     write_stage();
@@ -267,15 +270,20 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   int size = 1;
   MPI_Comm_size(simulation_.comm(), &size);
   const Counters& counters = simulation_.counters();
-  std::int64_t sums[7] = {counters.water_updates,
-                          counters.particle_updates,
-                          counters.pair_sweeps,
-                          static_cast<std::int64_t>(simulation_.bytes()),
-                          simulation_.halo().bytes_sent(),
-                          simulation_.halo().messages_sent(),
-                          static_cast<std::int64_t>(simulation_.particles().own())};
-  std::int64_t totals[7];
-  MPI_Allreduce(sums, totals, 7, MPI_INT64_T, MPI_SUM, simulation_.comm());
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  std::int64_t sums[10] = {counters.water_updates,
+                           counters.particle_updates,
+                           counters.pair_sweeps,
+                           static_cast<std::int64_t>(simulation_.bytes()),
+                           simulation_.halo().bytes_sent(),
+                           simulation_.halo().messages_sent(),
+                           static_cast<std::int64_t>(simulation_.particles().own()),
+                           interactions_,
+                           listed_,
+                           1024 * static_cast<std::int64_t>(usage.ru_maxrss)};
+  std::int64_t totals[10];
+  MPI_Allreduce(sums, totals, 10, MPI_INT64_T, MPI_SUM, simulation_.comm());
   double extremes[4] = {simulation_.extremes().speed, simulation_.extremes().compression,
                         simulation_.extremes().pressure, simulation_.extremes().body_penetration};
   MPI_Allreduce(MPI_IN_PLACE, extremes, 4, MPI_DOUBLE, MPI_MAX, simulation_.comm());
@@ -302,6 +310,12 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   json.set("particle_updates_per_second", static_cast<double>(totals[1]) / wall_seconds);
   json.set("listed_pairs_per_second", static_cast<double>(totals[2]) / wall_seconds);
   json.set("bytes_per_particle", totals[6] > 0 ? static_cast<double>(totals[3]) / static_cast<double>(totals[6]) : 0.0);
+  json.set("bytes_per_water_particle",
+           now_.particles > 0 ? static_cast<double>(totals[3]) / static_cast<double>(now_.particles) : 0.0);
+  json.set("peak_resident_bytes", totals[9]);
+  // Pairs within the support, of those listed: as at the times of energies.csv.
+  const double within = totals[8] > 0 ? static_cast<double>(totals[7]) / static_cast<double>(totals[8]) : 0.0;
+  json.set("interactions_per_second", within * static_cast<double>(totals[2]) / wall_seconds);
   Json& phases = json.object("phase_seconds_mean_per_rank");
   for (std::size_t k = 0; k < seconds.size(); ++k) phases.set(phase_names[k], seconds[k] / size);
   Json& halo = json.object("halo");

@@ -64,6 +64,7 @@ class Recorder {
   Clock fields_clock_, bodies_clock_, gauges_clock_, energies_clock_;
   std::size_t next_picture_ = 0;
   WaterState start_, now_;
+  std::int64_t interactions_ = 0, listed_ = 0;  ///< of the steps at which energies were written; on this rank
   double largest_energy_gain_ = 0, largest_kinetic_energy_ = 0;
   std::int64_t most_outside_ = 0, most_inside_ = 0;
   double deepest_ = 0;
