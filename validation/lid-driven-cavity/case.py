@@ -1,9 +1,9 @@
-"""Lid-driven cavity, 2-D, against Ghia, Ghia & Shin 1982 (doi:10.1016/0021-9991(82)90058-4, Tables I and II): velocities
-along the two middle lines of the steady flow, mean over the last tenth of the run. U = 1 m/s, L = 1 m.
+"""Lid-driven cavity, 2-D, against Ghia, Ghia & Shin 1982 (doi:10.1016/0021-9991(82)90058-4, Tables I and II):
+velocities along the two middle lines of the steady flow, mean over the last tenth of the run. U = 1 m/s, L = 1 m.
 
-The water starts under a pressure of rho U^2, so that the pressure on the walls, which is never negative, is not cut off.
-Left out of Table II, Re 400: v(0.9063) = -0.23827, a misprint (it lies between -0.22847 and -0.44993, 0.1 off any smooth
-curve).
+The water starts under a pressure of rho U^2, so that the pressure on the walls, which is never negative, is not cut
+off. Left out of Table II, Re 400: v(0.9063) = -0.23827, a misprint (it lies between -0.22847 and -0.44993, 0.1 off any
+smooth curve).
 """
 
 import h5py

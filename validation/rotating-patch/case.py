@@ -1,8 +1,8 @@
-"""A square patch of water in rigid rotation, 2-D, without gravity and viscosity, until t w = 2: energy, angular momentum
-and water that stays together. L = 1 m, w = 1/s.
+"""A square patch of water in rigid rotation, 2-D, without gravity and viscosity, until t w = 2: energy, angular
+momentum and water that stays together. L = 1 m, w = 1/s.
 
-The pressure at the start solves Poisson's equation (Colagrossi 2005, thesis, Rome; as a double series): negative all over
-the patch, so that a method without tensile control tears it into fragments.
+The pressure at the start solves Poisson's equation (Colagrossi 2005, thesis, Rome; as a double series): negative all
+over the patch, so that a method without tensile control tears it into fragments.
 """
 
 import h5py

@@ -1,5 +1,5 @@
-"""Taylor-Green vortices in a periodic box, decaying by viscosity: 2-D against the exact solution (Re = 100 and 1000), 3-D
-(Re = 100) against a spectral computation (spectral.py). U = 1 m/s, L = 1 m, compared at t U/L = 1.
+"""Taylor-Green vortices in a periodic box, decaying by viscosity: 2-D against the exact solution (Re = 100 and 1000),
+3-D (Re = 100) against a spectral computation (spectral.py). U = 1 m/s, L = 1 m, compared at t U/L = 1.
 
 2-D: u = -U e cos(k x) sin(k y), v = U e sin(k x) cos(k y), e = exp(-2 nu k^2 t), k = 2 pi/L.
 """

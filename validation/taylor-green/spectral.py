@@ -58,7 +58,8 @@ class Spectral:
 def start(x, y, z):
     """Velocity [m/s] at t = 0, components first."""
     k = 2 * np.pi
-    return np.stack([np.sin(k * x) * np.cos(k * y) * np.cos(k * z), -np.cos(k * x) * np.sin(k * y) * np.cos(k * z), 0 * z])
+    u, v = np.sin(k * x) * np.cos(k * y) * np.cos(k * z), -np.cos(k * x) * np.sin(k * y) * np.cos(k * z)
+    return np.stack([u, v, 0 * z])
 
 
 def start_pressure(x, y, z):
