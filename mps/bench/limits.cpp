@@ -33,7 +33,7 @@ double peak_flops() {
     asm volatile("" : "+x"(factor), "+x"(term));
     for (int t = 0; t < turns; ++t) {
 #pragma GCC unroll 12
-      for (int c = 0; c < chains; ++c) value[c] = value[c] * factor + term;
+      for (Pack& v : value) v = v * factor + term;
     }
     for (const Pack& v : value) sink += horizontal_sum(v);
   });
