@@ -13,7 +13,8 @@ namespace embacle::mps {
 /// Water closer to a solid's true surface than a fraction of its spacing loses the normal velocity with which it
 /// approaches, and is pushed out by a spring. In water at rest particles keep about half a spacing, so nothing happens
 /// there; it acts in splashes and in gaps narrower than a particle, where the pressure extrapolated to one solid says
-/// nothing of the other. The force on a body is the exact opposite of that on the water.
+/// nothing of the other. The force on a body is the exact opposite of that on the water. Walls come after bodies, and
+/// the next step of a particle must not end behind them; bodies have no such limit yet.
 class Guard {
  public:
   Guard(const Scene& scene, const Constants& constants, const Walls& walls);
