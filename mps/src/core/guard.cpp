@@ -12,6 +12,10 @@ namespace {
 constexpr double guarded_distance = 0.3;  ///< in particle distances
 /// Frequency of the spring, in c0/l0: stiff against any pressure of the flow, soft for the time step.
 constexpr double spring_frequency = 0.2;
+/// What the next step must leave between water and surface, in particle distances: what a body moves in one step after
+/// a blow that the water did not know of.
+constexpr double clearance = 0.02;
+constexpr int turns = 4;
 
 Vec3d axis_normal(int axis, double sign) {
   Vec3d normal{};
@@ -26,6 +30,7 @@ Guard::Guard(const Scene& scene, const Constants& constants, const Walls& walls)
       walls_(walls),
       scene_(scene),
       distance_(guarded_distance * constants.particle_distance),
+      clearance_(clearance * constants.particle_distance),
       stiffness_(std::pow(spring_frequency * constants.sound_speed / constants.particle_distance, 2)) {
   for (int w = 0; w < static_cast<int>(scene.walls.size()); ++w) {
     const Wall& wall = scene.walls[w];
@@ -48,6 +53,31 @@ double Guard::push(double distance, double approach) const {
   return stiffness_ * (distance_ - distance) + (approach < 0 ? -approach / constants_.step : 0.0);
 }
 
+void Guard::hold_outside(std::vector<Contact>& contacts, Triple& acceleration, double step) const {
+  const auto add = [&](Contact& contact, double value) {
+    contact.push += value;
+    for (int c = 0; c < 3; ++c) acceleration[c] += value * contact.normal[c];
+  };
+  for (Contact& contact : contacts) {
+    const double value = contact.push;
+    contact.push = 0;
+    add(contact, value);
+  }
+  // Between two solids each pushes the water towards the other: the corrections take turns, the walls last.
+  for (int turn = 0; turn < turns; ++turn) {
+    bool held = true;
+    for (Contact& contact : contacts) {
+      double outward = 0;
+      for (int c = 0; c < 3; ++c) outward += contact.normal[c] * acceleration[c];
+      const double next = contact.distance + step * (contact.approach + step * outward);
+      if (next >= clearance_) continue;
+      add(contact, (clearance_ - next) / (step * step));
+      held = false;
+    }
+    if (held) return;
+  }
+}
+
 void Guard::apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time,
                   double step, std::vector<Triple>& acceleration, Triple& wall_reaction,
                   std::vector<coupling::Load>& body_loads) const {
@@ -62,41 +92,31 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     const Vec3d before = displacement(*motion, time - step);
     for (int c = 0; c < 3; ++c) poses[w].velocity[c] = (poses[w].moved[c] - before[c]) / step;
   }
-  const auto push_from_wall = [&](std::size_t i, const Vec3d& normal, double distance, double approach) {
-    double value = push(distance, approach);
-    // Whatever else acts on the particle, the next step must not end behind the wall.
-    double outward = value;
-    for (int c = 0; c < 3; ++c) outward += normal[c] * acceleration[i][c];
-    const double next = distance + step * (approach + step * outward);
-    if (next < 0) value -= next / (step * step);
-    for (int c = 0; c < 3; ++c) {
-      acceleration[i][c] += value * normal[c];
-      wall_reaction[c] -= constants_.particle_mass * value * normal[c];
-    }
-  };
+  std::vector<Contact> contacts;  // of one particle: bodies first, then walls
   for (std::size_t i = 0; i < particles.water; ++i) {
     const NeighbourRange range = neighbours.of_water(i);
     if (range.middle == range.end) continue;  // no solid near
     const Record& record = particles.record[i];
+    contacts.clear();
+    const auto add = [&](int body, const Vec3d& normal, double distance, const Vec3d& velocity) {
+      double approach = 0;
+      for (int c = 0; c < 3; ++c) approach += normal[c] * (record.v[c] - velocity[c]);
+      contacts.push_back({body, normal, distance, approach, push(distance, approach)});
+    };
+    const Vec3 place(record.x[0], record.x[1], record.x[2]);
     for (std::size_t b = 0; bodies != nullptr && b < bodies->count(); ++b) {
-      const Vec3 place(record.x[0], record.x[1], record.x[2]);
       const double distance = -bodies->depth_in(b, place);
       if (distance >= distance_) continue;
       const Vec3 normal = bodies->outward_normal(b, place);
       const auto& state = bodies->all()[b].state;
       const Vec3 surface = state.velocity + state.angular_velocity.cross(place - state.position);
-      const Vec3 value = push(distance, normal.dot(Vec3(record.v[0], record.v[1], record.v[2]) - surface)) * normal;
-      for (int c = 0; c < 3; ++c) acceleration[i][c] += value[c];
-      const Vec3 force = -constants_.particle_mass * value;
-      body_loads[b] += {force, (place - state.position).cross(force)};
+      add(static_cast<int>(b), {normal[0], normal[1], normal[2]}, distance, {surface[0], surface[1], surface[2]});
     }
-    // Walls last: nothing, not even a body, may press water through them.
     for (const Face& face : faces_) {
       const Pose& pose = poses[face.wall];
       const double distance = face.sign * (record.x[face.axis] - face.place - pose.moved[face.axis]);
       if (distance >= distance_ || distance < -constants_.support) continue;
-      const double approach = face.sign * (record.v[face.axis] - pose.velocity[face.axis]);
-      push_from_wall(i, axis_normal(face.axis, face.sign), distance, approach);
+      add(no_body, axis_normal(face.axis, face.sign), distance, pose.velocity);
     }
     for (const int w : boxes_) {
       const BoxRegion& box = scene_.walls[w].region;
@@ -119,8 +139,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
         }
       }
       if (axis < 0 || nearest >= distance_) continue;
-      const double approach = sign * (record.v[axis] - poses[w].velocity[axis]);
-      push_from_wall(i, axis_normal(axis, sign), nearest, approach);
+      add(no_body, axis_normal(axis, sign), nearest, poses[w].velocity);
     }
     for (const int w : solids_) {
       const BoxRegion& region = scene_.walls[w].region;
@@ -134,9 +153,19 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       if (!near) continue;
       const double distance = walls_.solid(w)->distance(place.data(), &normal);
       if (distance >= distance_) continue;
-      double approach = 0;
-      for (int c = 0; c < 3; ++c) approach += normal[c] * (record.v[c] - poses[w].velocity[c]);
-      push_from_wall(i, normal, distance, approach);
+      add(no_body, normal, distance, poses[w].velocity);
+    }
+    if (contacts.empty()) continue;
+
+    hold_outside(contacts, acceleration[i], step);
+    for (const Contact& contact : contacts) {
+      Vec3 force;  // on the solid
+      for (int c = 0; c < 3; ++c) force[c] = -constants_.particle_mass * contact.push * contact.normal[c];
+      if (contact.body != no_body) {
+        body_loads[contact.body] += {force, (place - bodies->all()[contact.body].state.position).cross(force)};
+      } else {
+        for (int c = 0; c < 3; ++c) wall_reaction[c] += force[c];
+      }
     }
   }
 }

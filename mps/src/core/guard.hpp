@@ -13,8 +13,9 @@ namespace embacle::mps {
 /// Water closer to a solid's true surface than a fraction of its spacing loses the normal velocity with which it
 /// approaches, and is pushed out by a spring. In water at rest particles keep about half a spacing, so nothing happens
 /// there; it acts in splashes and in gaps narrower than a particle, where the pressure extrapolated to one solid says
-/// nothing of the other. The force on a body is the exact opposite of that on the water. Walls come after bodies, and
-/// the next step of a particle must not end behind them; bodies have no such limit yet.
+/// nothing of the other. Whatever else acts on a particle, its next step must end outside the solids; where it is
+/// squeezed between a body and a wall, the wall has the last word. The force on a body is the exact opposite of that on
+/// the water.
 class Guard {
  public:
   Guard(const Scene& scene, const Constants& constants, const Walls& walls);
@@ -29,6 +30,17 @@ class Guard {
   /// with normal velocity `approach` relative to it (negative: approaching).
   [[nodiscard]] double push(double distance, double approach) const;
 
+  static constexpr int no_body = -1;
+  struct Contact {
+    int body;  ///< or no_body: a wall
+    Vec3d normal;
+    double distance;
+    double approach;  ///< normal velocity relative to the surface, negative: approaching
+    double push;      ///< acceleration along the normal
+  };
+  /// Adds the pushes to the acceleration and enlarges them until the next step ends outside all solids.
+  void hold_outside(std::vector<Contact>& contacts, Triple& acceleration, double step) const;
+
   struct Face {  ///< of a tank: the water is on the side of increasing sign * x[axis]
     int wall;
     int axis;
@@ -41,7 +53,8 @@ class Guard {
   std::vector<Face> faces_;
   std::vector<int> boxes_;
   const Scene& scene_;
-  double distance_;
+  double distance_;   ///< within which it acts
+  double clearance_;  ///< that the next step leaves
   double stiffness_;  ///< [1/s^2]
 };
 
