@@ -51,7 +51,8 @@ struct Block {
   Corrections corrections;
   Halo halo{MPI_COMM_WORLD};
   Particles particles;
-  std::vector<Triple> acceleration, reaction;
+  std::vector<Triple> acceleration;
+  Reactions reaction;
   double water_pairs = 0, wet_pairs = 0;    ///< listed, padding included
   double water_within = 0, wet_within = 0;  ///< within the support
 

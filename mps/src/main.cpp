@@ -68,7 +68,8 @@ int main(int argc, char** argv) {
       fmt::print("{}", embacle::mps::scene_reference());
       return 0;
     }
-    MPI_Init(&argc, &argv);
+    int provided = 0;  // a rank's threads share its loops; only its first one speaks to others
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     const int status = run(options, rank);

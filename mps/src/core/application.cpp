@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include "core/recorder.hpp"
 #include "core/run_control.hpp"
 #include "core/simulation.hpp"
+#include "core/threads.hpp"
 #include "output/checkpoint.hpp"
 #include "scene/reader.hpp"
 #include "scene/settings.hpp"
@@ -41,6 +43,22 @@ double seconds_of(const std::string& option, const std::string& text) {
   throw coupling::InputError(fmt::format(
       "{} needs a time greater than zero: seconds, or a number with unit such as 30min (units {}); not '{}'", option,
       usual_units(Quantity::time), text));
+}
+
+int threads_of(const std::string& given) {
+  std::string name = "--threads", text = given;
+  if (text.empty()) {
+    const char* const variable = std::getenv("OMP_NUM_THREADS");
+    if (variable == nullptr || *variable == '\0') return 1;
+    name = "OMP_NUM_THREADS";
+    text = variable;
+    text = text.substr(0, text.find(','));  // the numbers that follow are for nested regions: there are none
+  }
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error == std::errc{} && end == text.data() + text.size() && count >= 1 && count <= most_threads) return count;
+  throw coupling::InputError(
+      fmt::format("{} needs a whole number of threads from 1 to {}, not '{}'", name, most_threads, text));
 }
 
 /// A restart without a scene takes that of the checkpoint, with its overrides, where the command line has no other.
@@ -89,7 +107,7 @@ coupling::FluidTerms terms_of(const Scene& scene, const Constants& c) {
 Options parse_options(int argc, char** argv, const std::string& program, const std::string& description) {
   Options options;
   CLI::App app{description, program};
-  std::string end_time, wall_limit;
+  std::string end_time, wall_limit, threads;
   bool check = false, explain = false, launch = false, reference = false;
   app.set_version_flag("--version", program + " " EMBACLE_VERSION);
   app.add_option("scene", options.scene, "Scene: a .toml file, or a folder that holds scene.toml");
@@ -100,6 +118,8 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
                  "Continue from a checkpoint or from the results folder that holds it; without --out in that folder, "
                  "without a scene with that of the checkpoint");
   app.add_option("--wall-limit", wall_limit, "Wall-clock time after which to write a checkpoint and end with status 5");
+  app.add_option("--threads", threads,
+                 "Threads of each rank for the water (default: OMP_NUM_THREADS, or 1 where that is not set)");
   app.add_flag("--check", check, "Read, validate, build the particles, print counts, memory, time step; run nothing");
   app.add_flag("--explain", explain, "Which physics and modules the scene uses and leaves out");
   app.add_flag("--launch", launch, "Print what a launcher needs: the LIGGGHTS script and its variables");
@@ -116,6 +136,7 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
   }
   if (!end_time.empty()) options.overrides.push_back("run.end_time=" + end_time);
   if (!wall_limit.empty()) options.wall_limit = seconds_of("--wall-limit", wall_limit);
+  options.threads = threads_of(threads);
   if (!options.restart.empty()) {
     if (out->count() == 0) options.out = CheckpointReader(options.restart).path().parent_path();
     if (options.out.empty()) options.out = ".";
@@ -225,6 +246,7 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
   const double program_began = MPI_Wtime();
   std::optional<coupling::FluidLink> link;
   if (participants != nullptr) link.emplace(*participants, own, terms_of(scene, constants_of(scene)), std::move(yield));
+  set_threads(options.threads);
   RunControl control(scene.output, options.wall_limit, program_began);
   // Neighbour lists and travelling particles take and give back megabytes every few steps; handing those to the system
   // and faulting them in again took a third of the run.

@@ -22,6 +22,7 @@ struct Options {
   std::vector<std::string> overrides;
   std::filesystem::path restart;  ///< the checkpoint to continue from, or its folder; empty: from the start
   double wall_limit = 0;          ///< [s]; 0: none
+  int threads = 1;                ///< of each rank
 };
 
 /// How a run ended, on rank 0 of the water.

@@ -76,7 +76,7 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
   const Record* records = particles.record.data();
   resize(concentration_, particles.water);
   resize(shift_, particles.water);
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack weight = splat(0), laplacian = splat(0), speed = splat(0);
@@ -121,7 +121,7 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
         -2 * constants_.particle_distance * local * constants_.shifting * 2 * constants_.crowding_factor;
     const double bounded = std::min(1.0, steepness > 0 ? 0.5 * local / (std::abs(scale) * steepness + 1e-300) : 1.0);
     for (int c = 0; c < 3; ++c) shift_[i][c] = scale * bounded * gradient[c];
-    if (concentration_[i] >= surface_concentration) continue;
+    if (concentration_[i] >= surface_concentration) return;
     Surface& surface = surface_[i];
     for (int c = 0; c < 3; ++c) surface.normal[c] = steepness > 0 ? -gradient[c] / steepness : 0.0;
     if (concentration_[i] < external_concentration || at_surface(particles, neighbours, i, surface.normal)) {
@@ -129,7 +129,7 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
     } else {
       surface = {};
     }
-  }
+  });
 }
 
 /// Whether no neighbour stands in the umbrella above a particle (thesis eq 5.34; in 3-D with the distance from the axis
@@ -157,7 +157,7 @@ bool Corrections::at_surface(const Particles& particles, const Neighbours& neigh
 template <int D, KernelKind K>
 void Corrections::classify(const Particles& particles, const Neighbours& neighbours) {
   const Kernel<K> kernel{1.0 / constants_.support};
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     const NeighbourRange range = neighbours.of_water(i);
     Surface mine = surface_[i];
     bool near = mine.is_surface > 0;
@@ -191,7 +191,7 @@ void Corrections::classify(const Particles& particles, const Neighbours& neighbo
     } else {
       std::copy_n(Correction{}.b, 6, correction.b);
     }
-  }
+  });
 }
 
 void Corrections::advance_density(Particles& particles, const Neighbours& neighbours) const {
@@ -203,7 +203,7 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
     const Pack gx = splat(c.static_gravity[0] * inverse_c2), gy = splat(c.static_gravity[1] * inverse_c2),
                gz = splat(c.static_gravity[2] * inverse_c2);
     const double diffusion = c.density_diffusion * c.laplacian_factor;
-    for (std::size_t i = 0; i < particles.water; ++i) {
+    for_each(particles.water, [&](std::size_t i, int) {
       const Record& me = records[i];
       const double* b = correction_[i].b;
       const Triple& u = shift_[i];
@@ -226,20 +226,19 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
       for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
       particles.record[i].p = c.gradient_factor * (horizontal_sum(carried) - horizontal_sum(divergence)) +
                               diffusion * horizontal_sum(laplacian);  // as in operators.cpp
-    }
+    });
   });
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     Record& record = particles.record[i];
     record.s = std::max(least_density, record.s + constants_.step * record.p);
     record.p = pressure_of(record.s, constants_);
-  }
+  });
 }
 
 void Corrections::accelerate(const Particles& particles, const Neighbours& neighbours,
-                             std::vector<Triple>& acceleration, std::vector<Triple>& reaction) const {
+                             std::vector<Triple>& acceleration, Reactions& reaction) const {
   resize(acceleration, particles.water);
-  make_room(reaction, reaction_slots(particles));
-  reaction.assign(reaction_slots(particles), Triple{});
+  reaction.reset(reaction_slots(particles));
   dispatch(constants_, [&]<int D, KernelKind K>() {
     const Constants& c = constants_;
     const Kernel<K> kernel{1.0 / c.support};
@@ -253,7 +252,8 @@ void Corrections::accelerate(const Particles& particles, const Neighbours& neigh
     const double solid_distance = c.collision_distance > 0 ? 0.25 * c.particle_distance * c.particle_distance : 0.0;
     const double water_impulse = 0.5 * (1.0 + c.collision_restitution) / c.step;
     const double solid_impulse = (1.0 + c.collision_restitution) / c.step;
-    for (std::size_t i = 0; i < particles.water; ++i) {
+    for_each(particles.water, [&](std::size_t i, int thread) {
+      Triple* const on_points = reaction.of_thread(thread);
       const Record& me = records[i];
       const Correction& mine = correction_[i];
       const Triple& u = shift_[i];
@@ -293,7 +293,7 @@ void Corrections::accelerate(const Particles& particles, const Neighbours& neigh
         az += fz;
         if constexpr (!Water) {
           for (int lane = 0; lane < lanes; ++lane) {
-            Triple& on_point = reaction[reaction_slot(particles, index[lane])];
+            Triple& on_point = on_points[reaction_slot(particles, index[lane])];
             on_point[0] -= c.particle_mass * fx[lane];
             on_point[1] -= c.particle_mass * fy[lane];
             if constexpr (D == 3) on_point[2] -= c.particle_mass * fz[lane];
@@ -304,7 +304,7 @@ void Corrections::accelerate(const Particles& particles, const Neighbours& neigh
       for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
       acceleration[i] = {horizontal_sum(ax) + c.gravity[0], horizontal_sum(ay) + c.gravity[1],
                          horizontal_sum(az) + c.gravity[2]};
-    }
+    });
   });
 }
 

@@ -44,7 +44,7 @@ class Corrections {
   /// As advance_density() and accelerate() of operators.hpp, corrected.
   void advance_density(Particles& particles, const Neighbours& neighbours) const;
   void accelerate(const Particles& particles, const Neighbours& neighbours, std::vector<Triple>& acceleration,
-                  std::vector<Triple>& reaction) const;
+                  Reactions& reaction) const;
 
   /// Velocity of transport less that of the water, of each own water particle [m/s], as of the last update.
   [[nodiscard]] const std::vector<Triple>& shift() const { return shift_; }

@@ -22,7 +22,7 @@ Friction::Friction(const Scene& scene, const Constants& constants, const Walls& 
 }
 
 void Friction::apply(const Particles& particles, const Neighbours& neighbours, double time,
-                     std::vector<Triple>& acceleration, std::vector<Triple>& reaction) const {
+                     std::vector<Triple>& acceleration, Reactions& reaction) const {
   if (!constants_.wall_friction) return;
   if (constants_.kernel == KernelKind::wendland) {
     add<KernelKind::wendland>(particles, neighbours, time, acceleration, reaction);
@@ -33,7 +33,7 @@ void Friction::apply(const Particles& particles, const Neighbours& neighbours, d
 
 template <KernelKind K>
 void Friction::add(const Particles& particles, const Neighbours& neighbours, double time,
-                   std::vector<Triple>& acceleration, std::vector<Triple>& reaction) const {
+                   std::vector<Triple>& acceleration, Reactions& reaction) const {
   const Kernel<K> kernel{1.0 / constants_.support};
   const double viscous_factor = constants_.viscosity * constants_.laplacian_factor;
   const double least = least_distance * constants_.particle_distance;
@@ -44,7 +44,8 @@ void Friction::add(const Particles& particles, const Neighbours& neighbours, dou
     moved[w] = displacement(*motion, time);
     if (time >= motion->start && time <= motion->stop) surface[w] = motion->surface_velocity;
   }
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int thread) {
+    Triple* const on_points = reaction.of_thread(thread);
     const NeighbourRange range = neighbours.of_water(i);
     const Record& me = particles.record[i];
     for (const std::uint32_t* k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {
@@ -70,10 +71,10 @@ void Friction::add(const Particles& particles, const Neighbours& neighbours, dou
       for (int c = 0; c < constants_.dimension; ++c) {
         const double value = factor * (velocity[c] - me.v[c]);
         acceleration[i][c] += value;
-        reaction[slot][c] -= constants_.particle_mass * value;
+        on_points[slot][c] -= constants_.particle_mass * value;
       }
     }
-  }
+  });
 }
 
 }  // namespace embacle::mps

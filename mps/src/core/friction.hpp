@@ -24,13 +24,13 @@ class Friction {
   /// Adds to the acceleration of the own water, and the exact opposite forces to `reaction` (slots as in accelerate()).
   /// `time` is that of the positions. Does nothing unless the scene needs it.
   void apply(const Particles& particles, const Neighbours& neighbours, double time, std::vector<Triple>& acceleration,
-             std::vector<Triple>& reaction) const;
+             Reactions& reaction) const;
 
  private:
   enum class Contact { slips, mirrored, sticks };
   template <KernelKind K>
   void add(const Particles& particles, const Neighbours& neighbours, double time, std::vector<Triple>& acceleration,
-           std::vector<Triple>& reaction) const;
+           Reactions& reaction) const;
 
   const Constants& constants_;
   const Walls& walls_;

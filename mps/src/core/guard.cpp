@@ -5,6 +5,7 @@
 
 namespace embacle::mps {
 
+using coupling::Load;
 using coupling::Vec3;
 
 namespace {
@@ -80,7 +81,7 @@ void Guard::hold_outside(std::vector<Contact>& contacts, Triple& acceleration, d
 
 void Guard::apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time,
                   double step, std::vector<Triple>& acceleration, Triple& wall_reaction,
-                  std::vector<coupling::Load>& body_loads) const {
+                  std::vector<coupling::Load>& body_loads) {
   struct Pose {
     Vec3d moved{}, velocity{};
   };
@@ -92,11 +93,13 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     const Vec3d before = displacement(*motion, time - step);
     for (int c = 0; c < 3; ++c) poses[w].velocity[c] = (poses[w].moved[c] - before[c]) / step;
   }
-  std::vector<Contact> contacts;  // of one particle: bodies first, then walls
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  loads_.reset(bodies != nullptr ? bodies->count() + 1 : 1);
+  std::vector<std::vector<Contact>> contacts_of_thread(threads());
+  for_each(particles.water, [&](std::size_t i, int thread) {
     const NeighbourRange range = neighbours.of_water(i);
-    if (range.middle == range.end) continue;  // no solid near
+    if (range.middle == range.end) return;  // no solid near
     const Record& record = particles.record[i];
+    std::vector<Contact>& contacts = contacts_of_thread[thread];  // bodies first, then walls
     contacts.clear();
     const auto add = [&](int body, const Vec3d& normal, double distance, const Vec3d& velocity) {
       double approach = 0;
@@ -143,31 +146,32 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     }
     for (const int w : solids_) {
       const BoxRegion& region = scene_.walls[w].region;
-      Vec3d place{}, normal{};
+      Vec3d local{}, normal{};
       bool near = true;
       for (int c = 0; c < scene_.dimension; ++c) {
         const double middle = 0.5 * (region.lower[c] + region.upper[c]);
-        place[c] = middle + constants_.periodic.nearest(c, record.x[c] - poses[w].moved[c] - middle);
-        near = near && place[c] > region.lower[c] - distance_ && place[c] < region.upper[c] + distance_;
+        local[c] = middle + constants_.periodic.nearest(c, record.x[c] - poses[w].moved[c] - middle);
+        near = near && local[c] > region.lower[c] - distance_ && local[c] < region.upper[c] + distance_;
       }
       if (!near) continue;
-      const double distance = walls_.solid(w)->distance(place.data(), &normal);
+      const double distance = walls_.solid(w)->distance(local.data(), &normal);
       if (distance >= distance_) continue;
       add(no_body, normal, distance, poses[w].velocity);
     }
-    if (contacts.empty()) continue;
+    if (contacts.empty()) return;
 
     hold_outside(contacts, acceleration[i], step);
+    Load* const loads = loads_.of_thread(thread);
     for (const Contact& contact : contacts) {
       Vec3 force;  // on the solid
       for (int c = 0; c < 3; ++c) force[c] = -constants_.particle_mass * contact.push * contact.normal[c];
-      if (contact.body != no_body) {
-        body_loads[contact.body] += {force, (place - bodies->all()[contact.body].state.position).cross(force)};
-      } else {
-        for (int c = 0; c < 3; ++c) wall_reaction[c] += force[c];
-      }
+      const Vec3 arm = contact.body == no_body ? place : Vec3(place - bodies->all()[contact.body].state.position);
+      loads[contact.body + 1] += {force, arm.cross(force)};
     }
-  }
+  });
+  loads_.join();
+  for (int c = 0; c < 3; ++c) wall_reaction[c] += loads_.total()[0].force[c];
+  for (std::size_t b = 1; b < loads_.total().size(); ++b) body_loads[b - 1] += loads_.total()[b];
 }
 
 }  // namespace embacle::mps

@@ -23,7 +23,7 @@ class Guard {
   /// Adds to the acceleration of the own water, and the opposite forces to `wall_reaction` (one sum for all walls) and
   /// to `body_loads` (one per body of this rank; ignored without bodies). `time` is that of the positions.
   void apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time, double step,
-             std::vector<Triple>& acceleration, Triple& wall_reaction, std::vector<coupling::Load>& body_loads) const;
+             std::vector<Triple>& acceleration, Triple& wall_reaction, std::vector<coupling::Load>& body_loads);
 
  private:
   /// Acceleration magnitude along the outward normal for a place `distance` outside the surface (negative: inside),
@@ -53,9 +53,10 @@ class Guard {
   std::vector<Face> faces_;
   std::vector<int> boxes_;
   const Scene& scene_;
-  double distance_;   ///< within which it acts
-  double clearance_;  ///< that the next step leaves
-  double stiffness_;  ///< [1/s^2]
+  double distance_;                   ///< within which it acts
+  double clearance_;                  ///< that the next step leaves
+  double stiffness_;                  ///< [1/s^2]
+  ThreadSums<coupling::Load> loads_;  ///< on all walls together, then on each body
 };
 
 }  // namespace embacle::mps

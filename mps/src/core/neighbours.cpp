@@ -127,28 +127,31 @@ void Neighbours::fill(Bins& bins, std::size_t count, const Place& place, const I
   const std::size_t total = static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2];
   constexpr auto nowhere = std::numeric_limits<std::uint32_t>::max();
   bins.first.assign(total + 1, 0);
-  cells_of_points_.resize(count);
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < count; ++k) {
+  slot_.resize(count);
+  for_each(count, [&](std::size_t k, int) {
     const std::int64_t cell = cell_of(place(k));
-    cells_of_points_[k] = cell < 0 ? nowhere : static_cast<std::uint32_t>(cell);
-    if (cell < 0) continue;
-    ++bins.first[cell + 1];
-    ++kept;
+    slot_[k] = cell < 0 ? nowhere : static_cast<std::uint32_t>(cell);
+  });
+  for (const std::uint32_t cell : slot_) {
+    if (cell != nowhere) ++bins.first[cell + 1];
   }
   std::partial_sum(bins.first.begin(), bins.first.end(), bins.first.begin());
   next_.assign(bins.first.begin(), bins.first.end() - 1);
+  for (std::uint32_t& slot : slot_) {
+    if (slot != nowhere) slot = next_[slot]++;
+  }
+  const std::size_t kept = bins.first.back();
   for (auto* column : {&bins.x, &bins.y, &bins.z}) column->resize(kept + search_lanes);  // the search reads full packs
   bins.index.resize(kept + search_lanes);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (cells_of_points_[k] == nowhere) continue;
-    const std::uint32_t slot = next_[cells_of_points_[k]]++;
+  for_each(count, [&](std::size_t k, int) {
+    const std::uint32_t slot = slot_[k];
+    if (slot == nowhere) return;
     const double* x = place(k);
     bins.x[slot] = static_cast<float>(x[0] - origin_[0]);
     bins.y[slot] = static_cast<float>(x[1] - origin_[1]);
     bins.z[slot] = static_cast<float>(x[2] - origin_[2]);
     bins.index[slot] = index(k);
-  }
+  });
 }
 
 void Neighbours::mark_surroundings(const Bins& bins, std::vector<char>& marks) const {
@@ -214,15 +217,19 @@ std::size_t Neighbours::select(const Surroundings& around, const double* place, 
 }
 
 template <class Visit>
-void Neighbours::for_occupied_cells(const Bins& bins, const Visit& visit) const {
-  std::size_t index = 0;
-  for (int k = 0; k < cells_[2]; ++k) {
-    for (int j = 0; j < cells_[1]; ++j) {
-      for (int i = 0; i < cells_[0]; ++i, ++index) {
-        const int cell[3] = {i, j, k};
-        if (bins.first[index] < bins.first[index + 1]) visit(cell, bins.first[index], bins.first[index + 1]);
-      }
-    }
+void Neighbours::for_occupied_cells(const Bins& bins, const Visit& visit, int thread, int of_threads) const {
+  const std::uint32_t points = bins.first.back();
+  const auto share = [&](int t) {
+    const auto point = static_cast<std::uint32_t>(std::uint64_t{points} * t / of_threads);
+    return static_cast<std::size_t>(std::lower_bound(bins.first.begin(), bins.first.end(), point) - bins.first.begin());
+  };
+  const std::size_t end = thread + 1 == of_threads ? bins.first.size() - 1 : share(thread + 1);
+  for (std::size_t index = thread == 0 ? 0 : share(thread); index < end; ++index) {
+    if (bins.first[index] == bins.first[index + 1]) continue;
+    const std::size_t row = index / cells_[0];
+    const int cell[3] = {static_cast<int>(index % cells_[0]), static_cast<int>(row % cells_[1]),
+                         static_cast<int>(row / cells_[1])};
+    visit(cell, bins.first[index], bins.first[index + 1]);
   }
 }
 
@@ -268,9 +275,57 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
       solid_, particles.solid + particles.ghost_solid,
       [&](std::size_t k) { return particles.record[solid_index(k)].x; }, solid_index);
   mark_surroundings(solid_, near_solid_);
-  const std::uint32_t sentinel = particles.sentinel();
-  constexpr auto nobody = std::numeric_limits<std::uint32_t>::max();
+  // The lists are most of a rank's memory: as much as they will need, not twice that.
+  const auto parts = static_cast<std::size_t>(threads());
+  if (index_.size() != parts) {
+    const std::size_t expected = expected_entries(particles, water_, water_, particles.water) +
+                                 expected_entries(particles, water_, solid_, particles.water);
+    index_.assign(parts, {});
+    for (auto& part : index_) part.reserve(expected / parts);
+    if (parts == 1) wet_index_.reserve(expected_entries(particles, solid_, water_, particles.own()));
+  }
+  resize(begin_, particles.water);
+  resize(thread_, particles.water);
+  resize(water_count_, particles.water);
+  resize(count_, particles.water);
+  std::vector<WetLists> wet(parts);
+  if (parts == 1) wet.front().index.swap(wet_index_);
+  in_every_thread([&](int thread) {
+    list_water(particles, walls, thin, thread);
+    list_wet_points(particles, walls, thin, thread, wet[thread]);
+  });
+  join_wet_points(wet);
+}
 
+namespace {
+
+/// The thin wall to which a solid point belongs, or none.
+const ThinWall* thin_of(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin,
+                        std::uint32_t j) {
+  const Identity& identity = particles.identity[j];
+  if (identity.owner < 0 || identity.owner >= walls.count() || walls.thin_index(identity.owner) < 0) return nullptr;
+  return &thin[walls.thin_index(identity.owner)];
+}
+
+/// Appends the first `n` entries of `list` but those that are `hidden`, and pads; returns how many these are.
+template <class Hidden>
+std::size_t append(std::vector<std::uint32_t>& lists, std::vector<std::uint32_t>& list, std::size_t n,
+                   std::uint32_t sentinel, const Hidden& hidden) {
+  n = static_cast<std::size_t>(std::remove_if(list.begin(), list.begin() + n, hidden) - list.begin());
+  const std::size_t needed = lists.size() + n + lanes;
+  if (needed > lists.capacity()) lists.reserve(needed + needed / 16);
+  lists.insert(lists.end(), list.begin(), list.begin() + n);
+  while (lists.size() % lanes != 0) lists.push_back(sentinel);
+  return n;
+}
+
+constexpr auto nobody = std::numeric_limits<std::uint32_t>::max();
+
+}  // namespace
+
+/// The lists of one thread's share of the own water.
+void Neighbours::list_water(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin,
+                            int thread) {
   // Thin walls near a place: only there do sides matter.
   const double near = 2 * radius_;
   const auto near_thin = [&](const double* x) {
@@ -281,35 +336,13 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
       return true;
     });
   };
-  const auto thin_of = [&](std::uint32_t j) -> const ThinWall* {
-    const Identity& identity = particles.identity[j];
-    if (identity.owner < 0 || identity.owner >= walls.count() || walls.thin_index(identity.owner) < 0) return nullptr;
-    return &thin[walls.thin_index(identity.owner)];
-  };
+  const auto nothing = [](std::uint32_t) { return false; };
+  const std::uint32_t sentinel = particles.sentinel();
   Surroundings water_around, solid_around;
   std::vector<std::uint32_t> list;
-  // Drops what `hidden` tells of the first `n` entries, then pads; appends the rest.
-  const auto append = [&](std::vector<std::uint32_t>& lists, std::size_t n, const auto& hidden) {
-    n = static_cast<std::size_t>(std::remove_if(list.begin(), list.begin() + n, hidden) - list.begin());
-    const std::size_t needed = lists.size() + n + lanes;
-    if (needed > lists.capacity()) lists.reserve(needed + needed / 16);
-    lists.insert(lists.end(), list.begin(), list.begin() + n);
-    while (lists.size() % lanes != 0) lists.push_back(sentinel);
-    return n;
-  };
-  const auto nothing = [](std::uint32_t) { return false; };
-
-  // The lists are most of a rank's memory: as much as they will need, not twice that.
-  index_.clear();
-  if (index_.capacity() == 0) {
-    index_.reserve(expected_entries(particles, water_, water_, particles.water) +
-                   expected_entries(particles, water_, solid_, particles.water));
-    wet_index_.reserve(expected_entries(particles, solid_, water_, particles.own()));
-  }
-  resize(begin_, particles.water);
-  resize(water_count_, particles.water);
-  resize(count_, particles.water);
-  for_occupied_cells(water_, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
+  std::vector<std::uint32_t>& lists = index_[thread];
+  lists.clear();
+  const auto list_cell = [&](const int* cell, std::uint32_t first, std::uint32_t last) {
     if (std::none_of(&water_.index[first], &water_.index[last], [&](auto i) { return i < particles.water; })) return;
     gather(water_, cell, water_around);
     const bool solids = near_solid_[cell_index(cell)] != 0;
@@ -319,60 +352,94 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
       if (i >= particles.water) continue;
       const double* x = particles.record[i].x;
       const bool sided = !thin.empty() && near_thin(x);
-      const std::size_t begin = index_.size();
+      const std::size_t begin = lists.size();
       begin_[i] = static_cast<std::uint32_t>(begin / lanes);
+      thread_[i] = static_cast<std::uint8_t>(thread);
       std::size_t found = select(water_around, x, i, list);
       if (sided) {
-        append(index_, found, [&](std::uint32_t j) {
+        append(lists, list, found, sentinel, [&](std::uint32_t j) {
           return std::any_of(thin.begin(), thin.end(), [&](const ThinWall& wall) {
             return Walls::separates(wall, x, particles.record[j].x, dimension_);
           });
         });
       } else {
-        append(index_, found, nothing);
+        append(lists, list, found, sentinel, nothing);
       }
-      water_count_[i] = count_of(index_.size() - begin);
+      water_count_[i] = count_of(lists.size() - begin);
       if (solids) {
         found = select(solid_around, x, nobody, list);
         if (sided) {
-          append(index_, found, [&](std::uint32_t j) {
-            const ThinWall* wall = thin_of(j);
+          append(lists, list, found, sentinel, [&](std::uint32_t j) {
+            const ThinWall* wall = thin_of(particles, walls, thin, j);
             return wall != nullptr && !Walls::visible(*wall, particles.identity[j].point, x);
           });
         } else {
-          append(index_, found, nothing);
+          append(lists, list, found, sentinel, nothing);
         }
       }
-      count_[i] = count_of(index_.size() - begin);
+      count_[i] = count_of(lists.size() - begin);
     }
-  });
+  };
+  for_occupied_cells(water_, list_cell, thread, threads());
+  make_room(lists, lists.size());
+}
 
-  wet_points_.clear();
-  wet_index_.clear();
-  wet_begin_.assign(1, 0);
-  for_occupied_cells(solid_, [&](const int* cell, std::uint32_t first, std::uint32_t last) {
+/// Those of its share of the own solid points near water.
+void Neighbours::list_wet_points(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin,
+                                 int thread, WetLists& lists) const {
+  Surroundings water_around;
+  std::vector<std::uint32_t> list;
+  lists.index.clear();
+  const auto list_cell = [&](const int* cell, std::uint32_t first, std::uint32_t last) {
     if (near_water_[cell_index(cell)] == 0) return;
     gather(water_, cell, water_around);
     for (std::uint32_t m = first; m < last; ++m) {
       const std::uint32_t b = solid_.index[m];
       if (b >= particles.own()) continue;
       const std::size_t found = select(water_around, particles.record[b].x, nobody, list);
-      const ThinWall* wall = thin_of(b);
-      const std::size_t kept = append(wet_index_, found, [&](std::uint32_t i) {
+      const ThinWall* wall = thin_of(particles, walls, thin, b);
+      const std::size_t before = lists.index.size();
+      const std::size_t kept = append(lists.index, list, found, particles.sentinel(), [&](std::uint32_t i) {
         return wall != nullptr && !Walls::visible(*wall, particles.identity[b].point, particles.record[i].x);
       });
       if (kept == 0) continue;
-      wet_points_.push_back(b);
-      wet_begin_.push_back(static_cast<std::uint32_t>(wet_index_.size() / lanes));
+      lists.points.push_back(b);
+      lists.packs.push_back(static_cast<std::uint32_t>((lists.index.size() - before) / lanes));
     }
-  });
-  for (auto* lists : {&index_, &wet_index_}) make_room(*lists, lists->size());
+  };
+  for_occupied_cells(solid_, list_cell, thread, threads());
+}
+
+void Neighbours::join_wet_points(std::vector<WetLists>& parts) {
+  wet_points_.clear();
+  wet_begin_.assign(1, 0);
+  if (parts.size() == 1) {
+    wet_index_.swap(parts.front().index);
+  } else {
+    wet_index_.clear();
+    std::size_t entries = 0;
+    for (const WetLists& part : parts) entries += part.index.size();
+    make_room(wet_index_, entries);
+    for (const WetLists& part : parts) wet_index_.insert(wet_index_.end(), part.index.begin(), part.index.end());
+  }
+  for (const WetLists& part : parts) {
+    wet_points_.insert(wet_points_.end(), part.points.begin(), part.points.end());
+    for (const std::uint32_t packs : part.packs) wet_begin_.push_back(wet_begin_.back() + packs);
+  }
+  make_room(wet_index_, wet_index_.size());
+}
+
+std::size_t Neighbours::pairs() const {
+  std::size_t pairs = wet_index_.size();
+  for (const auto& part : index_) pairs += part.size();
+  return pairs;
 }
 
 std::size_t Neighbours::bytes() const {
-  return sizeof(std::uint32_t) * (index_.capacity() + wet_index_.capacity() + wet_points_.capacity()) +
-         sizeof(std::uint32_t) * (begin_.capacity() + wet_begin_.capacity()) +
-         sizeof(std::uint16_t) * (water_count_.capacity() + count_.capacity());
+  std::size_t listed = wet_index_.capacity();
+  for (const auto& part : index_) listed += part.capacity();
+  return sizeof(std::uint32_t) * (listed + wet_points_.capacity() + begin_.capacity() + wet_begin_.capacity()) +
+         thread_.capacity() + sizeof(std::uint16_t) * (water_count_.capacity() + count_.capacity());
 }
 
 std::vector<std::uint32_t> Neighbours::cell_order(const std::vector<Traveller>& travellers) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/particles.hpp"
+#include "core/threads.hpp"
 #include "core/walls.hpp"
 
 namespace embacle::mps {
@@ -29,11 +30,11 @@ class Neighbours {
     return cell >= 0 && near_water_[cell] != 0;
   }
   /// Second part, with all particles in place: lists of all own water particles (water and solid neighbours) and of all
-  /// own solid points (water only). `walls`: wall owners that are thin, with their present place (see Walls).
+  /// own solid points (water only). `thin`: the thin walls at their present place (see Walls).
   void build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin);
 
   [[nodiscard]] NeighbourRange of_water(std::size_t i) const {
-    const std::uint32_t* first = index_.data() + lanes * std::size_t{begin_[i]};
+    const std::uint32_t* first = index_[thread_[i]].data() + lanes * std::size_t{begin_[i]};
     return {first, first + water_count_[i], first + count_[i]};
   }
   /// Own solid points that have water near, as indices into the records, and their water.
@@ -44,7 +45,7 @@ class Neighbours {
     return {base + lanes * std::size_t{wet_begin_[k]}, end, end};
   }
   /// Directed pairs in all lists, padding included.
-  [[nodiscard]] std::size_t pairs() const { return index_.size() + wet_index_.size(); }
+  [[nodiscard]] std::size_t pairs() const;
   [[nodiscard]] std::size_t bytes() const;
 
   /// Order of own water by cell (for sorting before the next build).
@@ -85,8 +86,18 @@ class Neighbours {
   [[nodiscard]] std::size_t expected_entries(const Particles& particles, const Bins& bins, const Bins& around,
                                              std::size_t own) const;
   /// Calls `visit(cell, first, last)` for every cell in which the bins hold something: its coordinates, its range.
+  /// Of all cells, or of one thread's share of them: consecutive cells with its share of the points.
   template <class Visit>
-  void for_occupied_cells(const Bins& bins, const Visit& visit) const;
+  void for_occupied_cells(const Bins& bins, const Visit& visit, int thread = 0, int of_threads = 1) const;
+  void list_water(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin, int thread);
+  /// Of one thread, to be joined.
+  struct WetLists {
+    std::vector<std::uint32_t> points, index;
+    std::vector<std::uint32_t> packs;  ///< number of each list
+  };
+  void list_wet_points(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin, int thread,
+                       WetLists& lists) const;
+  void join_wet_points(std::vector<WetLists>& parts);
 
   /// Cells within the radius along x, y, z. Long rows, contiguous in memory along x, cost least: 9 of them around a
   /// cell.
@@ -99,9 +110,11 @@ class Neighbours {
   int cells_[3] = {1, 1, 1};
   float reach_square_ = 0;  ///< square of the radius, widened
   Bins water_, solid_;
-  std::vector<std::uint32_t> cells_of_points_, next_;  ///< scratch
-  std::vector<char> near_water_, near_solid_;          ///< per cell
-  std::vector<std::uint32_t> index_, wet_index_;
+  std::vector<std::uint32_t> slot_, next_;         ///< scratch
+  std::vector<char> near_water_, near_solid_;      ///< per cell
+  std::vector<std::vector<std::uint32_t>> index_;  ///< of the own water, as each thread has listed it
+  std::vector<std::uint8_t> thread_;               ///< which listed it
+  std::vector<std::uint32_t> wet_index_;
   std::vector<std::uint32_t> begin_, wet_begin_;    ///< first pack of each list
   std::vector<std::uint16_t> water_count_, count_;  ///< with padding, of the list of each own water particle
   std::vector<std::uint32_t> wet_points_;

@@ -19,7 +19,7 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
   // Geometry of the middle of the step that led here: with that of its end, compression and expansion along the same
   // way do not cancel, and water gains volume and energy in proportion to the step.
   const double half = 0.5 * c.step;
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack divergence = splat(0), laplacian = splat(0);
@@ -41,7 +41,7 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
     for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
     // In place of the pressure, which the sweep does not read and which is due next.
     particles.record[i].p = -c.gradient_factor * horizontal_sum(divergence) + diffusion * horizontal_sum(laplacian);
-  }
+  });
 }
 
 template <int D, KernelKind K>
@@ -50,7 +50,7 @@ void extrapolate(Particles& particles, const Neighbours& neighbours, const Const
   const Kernel<K> kernel{1.0 / c.support};
   Record* records = particles.record.data();
   const auto& wet = neighbours.wet_points();
-  for (std::size_t k = 0; k < wet.size(); ++k) {
+  for_each(wet.size(), [&](std::size_t k, int) {
     Record& me = records[wet[k]];
     double g[3] = {c.static_gravity[0], c.static_gravity[1], c.static_gravity[2]};
     if (!acceleration.empty()) {
@@ -68,12 +68,12 @@ void extrapolate(Particles& particles, const Neighbours& neighbours, const Const
     }
     const double weight = horizontal_sum(weights);
     me.p = weight > 0 ? std::max(0.0, horizontal_sum(sum) / weight) : 0.0;
-  }
+  });
 }
 
 template <int D, KernelKind K, bool Viscous>
 void forces(const Particles& particles, const Neighbours& neighbours, const Constants& c,
-            std::vector<Triple>& acceleration, std::vector<Triple>& reaction) {
+            std::vector<Triple>& acceleration, Reactions& reaction) {
   const Kernel<K> kernel{1.0 / c.support};
   const Record* records = particles.record.data();
   const double pressure_factor = -c.gradient_factor / c.density;
@@ -87,9 +87,9 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
   const double solid_impulse = (1.0 + c.collision_restitution) / c.step;
 
   resize(acceleration, particles.water);
-  make_room(reaction, reaction_slots(particles));
-  reaction.assign(reaction_slots(particles), Triple{});
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  reaction.reset(reaction_slots(particles));
+  for_each(particles.water, [&](std::size_t i, int thread) {
+    Triple* const on_points = reaction.of_thread(thread);
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack ax = splat(0), ay = splat(0), az = splat(0);
@@ -117,7 +117,7 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
       if constexpr (D == 3) az += fz;
       if constexpr (!Water) {
         for (int lane = 0; lane < lanes; ++lane) {
-          Triple& on_point = reaction[reaction_slot(particles, index[lane])];
+          Triple& on_point = on_points[reaction_slot(particles, index[lane])];
           on_point[0] -= c.particle_mass * fx[lane];
           on_point[1] -= c.particle_mass * fy[lane];
           if constexpr (D == 3) on_point[2] -= c.particle_mass * fz[lane];
@@ -128,18 +128,18 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
     for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
     acceleration[i] = {horizontal_sum(ax) + c.gravity[0], horizontal_sum(ay) + c.gravity[1],
                        horizontal_sum(az) + c.gravity[2]};
-  }
+  });
 }
 
 }  // namespace
 
 void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants) {
   dispatch(constants, [&]<int D, KernelKind K>() { density_rate<D, K>(particles, neighbours, constants); });
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     Record& record = particles.record[i];
     record.s += constants.step * record.p;
     record.p = pressure_of(record.s, constants);
-  }
+  });
 }
 
 void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, const Constants& constants,
@@ -149,7 +149,7 @@ void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, co
 }
 
 void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                std::vector<Triple>& acceleration, std::vector<Triple>& reaction) {
+                std::vector<Triple>& acceleration, Reactions& reaction) {
   dispatch(constants, [&]<int D, KernelKind K>() {
     if (constants.viscosity > 0) {
       forces<D, K, true>(particles, neighbours, constants, acceleration, reaction);

@@ -6,11 +6,13 @@
 #include "core/constants.hpp"
 #include "core/neighbours.hpp"
 #include "core/particles.hpp"
+#include "core/threads.hpp"
 
 namespace embacle::mps {
 
 /// A vector per particle.
 using Triple = std::array<double, 3>;
+using Reactions = ThreadSums<Triple>;
 
 /// Continuity and equation of state of the own water:
 ///   ds/dt = -(d/n0) SUM (v_j - v_i).r_ij F + delta' c0 l0 (2d/(lambda n0)) SUM [(s_j - s_i) - g.r_ij/c0^2] F r^2,
@@ -36,9 +38,9 @@ void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, co
 /// Collisions: pairs closer than the collision distance and approaching exchange the normal velocity
 /// (1 + epsilon)/2 (v_ij.e) e (thesis eq 5.38 with its sign corrected), on all water pairs; with a solid point the
 /// water takes (1 + epsilon) (v_ij.e) e when it is within half a particle distance, i.e. at the surface.
-/// `reaction`: exact opposite of the force [N] on each solid point; slots as given by reaction_slot().
+/// `reaction`: exact opposite of the force [N] on each solid point; slots as given by reaction_slot(); to be joined.
 void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                std::vector<Triple>& acceleration, std::vector<Triple>& reaction);
+                std::vector<Triple>& acceleration, Reactions& reaction);
 
 /// Slot of a solid point (own or ghost) or of the sentinel in the reaction array.
 [[nodiscard]] inline std::size_t reaction_slot(const Particles& particles, std::size_t j) {

@@ -297,6 +297,7 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   Json json;
   json.set("title", scene_.title).set("scene", scene_.file.filename().string()).set("version", EMBACLE_VERSION);
   json.set("fluid_ranks", size);
+  json.set("threads_per_rank", threads());
   json.set("dimension", c.dimension);
   json.set("simulated_seconds", simulation_.time()).set("wall_seconds", wall_seconds);
   if (!restart_times_.empty()) json.set("restarted_at", restart_times_);

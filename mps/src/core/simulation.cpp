@@ -71,10 +71,10 @@ void Simulation::window() {
 
 void Simulation::move(double step) {
   const Timer timer(phases_, Phase::integration);
-  for (std::size_t i = 0; i < particles_.water; ++i) {
+  for_each(particles_.water, [&](std::size_t i, int) {
     Record& record = particles_.record[i];
     for (int c = 0; c < 3; ++c) record.x[c] += step * record.v[c];
-  }
+  });
   if (walls_.any_moves()) {
     std::vector<Vec3d> velocity(walls_.count());
     for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time_, step);
@@ -246,26 +246,32 @@ void Simulation::evaluate_forces(double time) {
       accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
     }
     friction_.apply(particles_, neighbours_, time, acceleration_, reaction_);
+    reaction_.join();
   }
   const Timer timer(phases_, Phase::bodies);
-  if (bodies_) load_ = bodies_->partial_loads(particles_, reaction_);
+  if (bodies_) load_ = bodies_->partial_loads(particles_, reaction_.total());
   guard_reaction_ = {};
   guard_.apply(particles_, neighbours_, bodies(), time, constants_.step, acceleration_, guard_reaction_, load_);
 }
 
 void Simulation::integrate_velocities() {
   const Timer timer(phases_, Phase::integration);
-  double speed_square = 0, compression = 0, pressure = 0;
-  for (std::size_t i = 0; i < particles_.water; ++i) {
+  struct alignas(64) Part {
+    double speed_square = 0, compression = 0, pressure = 0;
+    std::string failure;
+  };
+  std::vector<Part> parts(threads());
+  for_each(particles_.water, [&](std::size_t i, int thread) {
+    Part& part = parts[thread];
     Record& record = particles_.record[i];
     double square = 0;
     for (int c = 0; c < 3; ++c) {
       record.v[c] += constants_.step * acceleration_[i][c];
       square += record.v[c] * record.v[c];
     }
-    speed_square = std::max(speed_square, square);
-    compression = std::max(compression, std::abs(record.s - 1.0));
-    pressure = std::max(pressure, record.p);
+    part.speed_square = std::max(part.speed_square, square);
+    part.compression = std::max(part.compression, std::abs(record.s - 1.0));
+    part.pressure = std::max(part.pressure, record.p);
     const bool inside = [&] {
       for (int c = 0; c < constants_.dimension; ++c) {
         if (constants_.periodic.in(c)) continue;
@@ -274,19 +280,19 @@ void Simulation::integrate_velocities() {
       return true;
     }();
     const bool sane = square < constants_.sound_speed * constants_.sound_speed && record.s > 0.5 && record.s < 2.0;
-    if ((!inside || !sane) && failure_.empty()) {
-      failure_ = fmt::format(
+    if ((!inside || !sane) && part.failure.empty()) {
+      part.failure = fmt::format(
           "step {}, t = {:.6g} s: water particle {} at ({:.5g}, {:.5g}, {:.5g}) m {}: speed {:.4g} m/s (sound speed "
           "{:.4g}), "
           "density {:.4g} of rest",
           counters_.steps, time_, particles_.identity[i].id, record.x[0], record.x[1], record.x[2],
           inside ? "is unstable" : "left the domain", std::sqrt(square), constants_.sound_speed, record.s);
     }
-  }
+  });
   if (corrections_) {  // now, so that a step leaves nothing behind but the particles
-    for (std::size_t i = 0; i < particles_.water; ++i) {
+    for_each(particles_.water, [&](std::size_t i, int) {
       for (int c = 0; c < 3; ++c) particles_.record[i].x[c] += constants_.step * corrections_->shift()[i][c];
-    }
+    });
   }
   if (scene_.output.audit) {
     for (const Triple& a : acceleration_) {
@@ -295,17 +301,22 @@ void Simulation::integrate_velocities() {
     // Reaction on everything solid: on walls by their points and by the guard, on bodies by their loads.
     for (std::size_t j = particles_.water; j < particles_.all(); ++j) {
       if (particles_.is_water(j) || particles_.identity[j].owner >= walls_.count()) continue;
-      for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * reaction_[reaction_slot(particles_, j)][c];
+      for (int c = 0; c < 3; ++c)
+        window_reaction_[c] += constants_.step * reaction_.total()[reaction_slot(particles_, j)][c];
     }
     for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * guard_reaction_[c];
     for (const auto& load : load_) {
       for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
     }
   }
-  own_fastest_ = std::sqrt(speed_square);
+  own_fastest_ = 0;
+  for (const Part& part : parts) {
+    own_fastest_ = std::max(own_fastest_, std::sqrt(part.speed_square));
+    extremes_.compression = std::max(extremes_.compression, part.compression);
+    extremes_.pressure = std::max(extremes_.pressure, part.pressure);
+    if (failure_.empty()) failure_ = part.failure;
+  }
   extremes_.speed = std::max(extremes_.speed, own_fastest_);
-  extremes_.compression = std::max(extremes_.compression, compression);
-  extremes_.pressure = std::max(extremes_.pressure, pressure);
   counters_.water_updates += static_cast<std::int64_t>(particles_.water);
   counters_.particle_updates += static_cast<std::int64_t>(particles_.water + neighbours_.wet_points().size());
   counters_.pair_sweeps += static_cast<std::int64_t>(2 * neighbours_.pairs());
@@ -431,7 +442,7 @@ void Simulation::remove_water_in_bodies() {
 
 std::vector<Traveller> Simulation::own_water() const {
   std::vector<Traveller> result(particles_.water);
-  for (std::size_t i = 0; i < particles_.water; ++i) result[i] = {particles_.record[i], particles_.identity[i]};
+  for_each(particles_.water, [&](std::size_t i, int) { result[i] = {particles_.record[i], particles_.identity[i]}; });
   return result;
 }
 
@@ -469,9 +480,8 @@ void Simulation::check_window() {
 
 std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
-         wall_points_.capacity() * sizeof(WallPoint) +
-         (acceleration_.capacity() + reaction_.capacity()) * sizeof(Triple) + displacements_.bytes() +
-         (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0);
+         wall_points_.capacity() * sizeof(WallPoint) + acceleration_.capacity() * sizeof(Triple) + reaction_.bytes() +
+         displacements_.bytes() + (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0);
 }
 
 }  // namespace embacle::mps

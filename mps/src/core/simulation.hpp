@@ -136,7 +136,8 @@ class Simulation {
   std::optional<Corrections> corrections_;
   int steps_per_window_ = 1;
 
-  std::vector<Triple> acceleration_, reaction_, point_acceleration_;
+  std::vector<Triple> acceleration_, point_acceleration_;
+  Reactions reaction_;
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body
   Triple guard_reaction_{};                  ///< of the guard on all walls [N]
   std::vector<coupling::Load> window_load_;  ///< mean partial load over the window so far

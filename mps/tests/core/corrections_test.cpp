@@ -160,7 +160,8 @@ TEST(Corrections, PairForcesAreOppositeInTheInteriorWithoutTension) {
     std::uniform_real_distribution<double> pressure(0, 1000);
     for (WaterTable::Row& row : scene.water.front().table.rows) row.pressure = pressure(random);
     State state(scene);
-    std::vector<Triple> acceleration, reaction;
+    std::vector<Triple> acceleration;
+    Reactions reaction;
     state.corrections.accelerate(state.particles, state.simulation.neighbours(), acceleration, reaction);
     double sums[4] = {};
     for (const Triple& a : acceleration) {

@@ -56,7 +56,8 @@ Scene shear(int dimension, double speed) {
 }
 
 struct Forces {
-  std::vector<Triple> acceleration, reaction;
+  std::vector<Triple> acceleration;
+  Reactions reaction;
   Triple on_water{}, on_walls{};  ///< of this rank [N]
 };
 
@@ -70,7 +71,7 @@ Forces forces_of(Simulation& simulation, const Scene& scene) {
   friction.apply(simulation.particles(), simulation.neighbours(), 0, forces.acceleration, forces.reaction);
   for (int c = 0; c < 3; ++c) {
     for (const Triple& a : forces.acceleration) forces.on_water[c] += simulation.constants().particle_mass * a[c];
-    for (const Triple& r : forces.reaction) forces.on_walls[c] += r[c];
+    for (const Triple& r : forces.reaction.total()) forces.on_walls[c] += r[c];
   }
   return forces;
 }
@@ -108,7 +109,7 @@ TEST(Friction, TheWallsFeelTheShearStressAndItsOpposite) {
     double on_lid = 0;
     for (std::size_t j = steady.particles().water; j < steady.particles().all(); ++j) {
       if (steady.particles().is_water(j) || steady.particles().identity[j].owner != 1) continue;
-      on_lid += balance.reaction[reaction_slot(steady.particles(), j)][0];
+      on_lid += balance.reaction.total()[reaction_slot(steady.particles(), j)][0];
     }
     MPI_Allreduce(MPI_IN_PLACE, &on_lid, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
     const double area = layers * l0 * (dimension == 3 ? layers * l0 : 1.0);

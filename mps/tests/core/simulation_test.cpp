@@ -27,6 +27,39 @@ TEST(Simulation, SameResultOnAnyNumberOfRanks) {
   }
 }
 
+TEST(Simulation, AnyNumberOfThreadsGivesTheSameParticles) {
+  const Scene scene = test::collapsing_column(3, 10);
+  const auto after = [&](int count) {
+    set_threads(count);
+    Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+    run(simulation, 150);
+    set_threads(1);
+    return simulation.particles().record;
+  };
+  const std::vector<Record> alone = after(1), shared = after(3);
+  ASSERT_EQ(alone.size(), shared.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(alone[i].x[c], shared[i].x[c]);
+    EXPECT_EQ(alone[i].p, shared[i].p);
+  }
+}
+
+TEST(Threads, SumsAreJoinedAndErrorsPassedOn) {
+  set_threads(4);
+  ThreadSums<Triple> sums;
+  for (const std::size_t n : {std::size_t{7}, std::size_t{3}, std::size_t{1000}}) {
+    sums.reset(n);
+    for_each(100 * n, [&](std::size_t k, int thread) { sums.of_thread(thread)[k % n][1] += 1; });
+    sums.join();
+    for (const Triple& sum : sums.total()) EXPECT_EQ(sum, (Triple{0, 100, 0}));
+  }
+  EXPECT_THROW(for_each(100, [](std::size_t k, int) {
+                 if (k == 99) throw coupling::InstabilityError("of the last thread");
+               }),
+               coupling::InstabilityError);
+  set_threads(1);
+}
+
 TEST(Simulation, MomentumChangesByGravityAndWallsOnly) {
   const Result result = result_of(test::collapsing_column(3, 10), MPI_COMM_WORLD, 100);
   EXPECT_LT(result.audit.momentum_residual, 1e-10);
