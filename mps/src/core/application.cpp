@@ -186,8 +186,8 @@ std::string check_report(const Scene& scene, int ranks) {
       "  memory            {:.0f} MB\n  estimated run     {:.0f} s on {} rank{}\n",
       scene.file.string(), initial.water.size(), initial.walls.size(),
       scene.coupled() ? "from " + scene.coupling.script.filename().string() : std::string("none"), c.particle_distance,
-      c.support, c.lattice.neighbours, c.sound_speed, c.reference_speed, c.step, c.step_limit, steps, scene.end_time,
-      bytes * 1e-6, seconds, ranks, ranks == 1 ? "" : "s");
+      c.support, c.lattice.neighbours, c.sound_speed, c.reference_speed, c.step, name_of(c.step_limit), steps,
+      scene.end_time, bytes * 1e-6, seconds, ranks, ranks == 1 ? "" : "s");
   for (const std::string& warning : initial.warnings) report += "  warning: " + warning + "\n";
   return report;
 }
@@ -211,6 +211,7 @@ std::string explain_report(const Scene& scene) {
   for (const std::string& axis : scene.periodic) directions += (directions.empty() ? " in " : ", ") + axis;
   module(!scene.periodic.empty(), "periodic directions" + directions, "ghosts of the images, also on one rank");
   module(n.density_diffusion > 0, "density diffusion", "in the density sweep");
+  module(n.adaptive_step, "adaptive time step", "in the reduction of each step");
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
   module(n.collision_distance > 0, "particle collision", "in the force sweep");
   module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
@@ -274,7 +275,7 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
     const double left = std::ceil((scene.end_time - simulation.time()) / simulation.window_length() - 1e-6);
     if (!ends_the_run(agreed)) agreed = control.agree(own);
     // Epochs begin at the same steps whether the run was restarted in between or not.
-    const int into = link ? 0 : static_cast<int>(simulation.counters().steps % windows_per_epoch);
+    const int into = link ? 0 : static_cast<int>(simulation.counters().windows % windows_per_epoch);
     const int wanted =
         ends_the_run(agreed) ? 0 : static_cast<int>(std::clamp(left, 0.0, double{windows_per_epoch} - into));
     const int windows = into > 0 && wanted > 0 ? wanted : simulation.begin_epoch(wanted);

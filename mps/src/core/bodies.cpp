@@ -222,6 +222,14 @@ std::vector<coupling::Shape> Bodies::shapes() const {
   return result;
 }
 
+double Bodies::fastest() const {
+  double result = 0;
+  for (const auto& body : bodies_) {
+    result = std::max(result, body.state.velocity.norm() + body.state.angular_velocity.norm() * shape_of(body).radius);
+  }
+  return result;
+}
+
 std::size_t Bodies::bytes() const {
   std::size_t total = bodies_.capacity() * sizeof(FluidBody);
   for (const ShapeData& shape : shapes_) total += shape.points.capacity() * sizeof(coupling::ShapePoint);

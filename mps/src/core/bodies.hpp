@@ -50,6 +50,9 @@ class Bodies {
   /// Surface pressures of the own points of each body (for those who subscribe).
   [[nodiscard]] std::vector<coupling::BodyPressures> surface_pressures(const Particles& particles) const;
 
+  /// Speed of the fastest point of any body, at most [m/s].
+  [[nodiscard]] double fastest() const;
+
   [[nodiscard]] std::int64_t tag(std::size_t body) const { return bodies_[body].tag; }
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] const std::vector<coupling::FluidBody>& all() const { return bodies_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "embacle/coupling/types.hpp"
 
@@ -60,25 +61,17 @@ double reference_speed(const Scene& scene) {
                              ": numerics.reference_speed: cannot be derived (no head of water, no motion); state it");
 }
 
-namespace {
-
-/// The step is the shortest that sound, viscosity and body forces allow.
-void limit_step(Constants& c, double cfl) {
+std::pair<double, StepLimit> longest_step(const Constants& c, const Motions& motions) {
   const double l0 = c.particle_distance;
-  const double force =
-      std::sqrt(c.gravity[0] * c.gravity[0] + c.gravity[1] * c.gravity[1] + c.gravity[2] * c.gravity[2]);
-  c.step = cfl * l0 / (c.sound_speed + c.reference_speed);
-  c.step_limit = "acoustic";
-  const auto limit = [&](double step, const char* name) {
-    if (step >= c.step) return;
-    c.step = step;
-    c.step_limit = name;
+  std::pair<double, StepLimit> longest{c.cfl * l0 / (c.sound_speed + motions.water), StepLimit::acoustic};
+  const auto limit = [&](double step, StepLimit by) {
+    if (step < longest.first) longest = {step, by};
   };
-  if (c.viscosity > 0) limit(0.125 * l0 * l0 / c.viscosity, "viscous");
-  if (force > 0) limit(0.25 * std::sqrt(l0 / force), "force");
+  if (c.viscosity > 0) limit(0.125 * l0 * l0 / c.viscosity, StepLimit::viscous);
+  if (motions.acceleration > 0) limit(0.25 * std::sqrt(l0 / motions.acceleration), StepLimit::force);
+  limit(c.cfl * l0 / (c.sound_speed + motions.bodies), StepLimit::bodies);
+  return longest;
 }
-
-}  // namespace
 
 Constants constants_of(const Scene& scene) {
   Constants c;
@@ -100,7 +93,10 @@ Constants constants_of(const Scene& scene) {
   c.wall_friction = c.viscosity > 0 && std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& wall) {
                       return wall.slip || (wall.motion && wall.motion->surface_velocity != Vec3d{});
                     });
-  limit_step(c, scene.numerics.cfl);
+  c.cfl = scene.numerics.cfl;
+  const double weight =
+      std::sqrt(c.gravity[0] * c.gravity[0] + c.gravity[1] * c.gravity[1] + c.gravity[2] * c.gravity[2]);
+  std::tie(c.step, c.step_limit) = longest_step(c, {c.reference_speed, 0, weight});
   c.lattice = c.kernel == KernelKind::wendland
                   ? lattice_sums<KernelKind::wendland>(c.dimension, c.particle_distance, c.support)
                   : lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support);

@@ -301,7 +301,15 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   json.set("dimension", c.dimension);
   json.set("simulated_seconds", simulation_.time()).set("wall_seconds", wall_seconds);
   if (!restart_times_.empty()) json.set("restarted_at", restart_times_);
-  json.set("steps", counters.steps).set("time_step", c.step).set("time_step_limit", c.step_limit);
+  json.set("steps", counters.steps)
+      .set("time_step", simulation_.longest_step())
+      .set("time_step_limit", name_of(c.step_limit));
+  if (scene_.numerics.adaptive_step) {
+    Json& adapted = json.object("adaptive_step");
+    adapted.set("shortest", simulation_.extremes().shortest_step);
+    for (std::size_t k = 0; k < step_limit_names.size(); ++k)
+      adapted.set(std::string("steps_limited_") + step_limit_names[k], counters.limited_steps[k]);
+  }
   json.set("particle_distance", c.particle_distance).set("support", c.support).set("sound_speed", c.sound_speed);
   json.set("water_particles", now_.particles).set("particles", totals[6]);
   json.set("removed_at_start", simulation_.removed_at_start());

@@ -67,6 +67,12 @@ void Simulation::save(CheckpointContent& content) {
   content.numbers["extreme_speed"] = extremes[0];
   content.numbers["extreme_compression"] = extremes[1];
   content.numbers["extreme_pressure"] = extremes[2];
+  double motions[3] = {own_motions_.water, own_motions_.bodies, own_motions_.acceleration};
+  MPI_Allreduce(MPI_IN_PLACE, motions, 3, MPI_DOUBLE, MPI_MAX, comm_);
+  content.lists["motions"].assign(motions, motions + 3);
+  content.numbers["shortest_step"] = extremes_.shortest_step;
+  content.lists["limited_steps"].assign(counters_.limited_steps.begin(), counters_.limited_steps.end());
+  content.counts["windows"] = counters_.windows;
   content.counts["steps"] = counters_.steps;
   content.counts["builds"] = counters_.builds;
   content.counts["decompositions"] = counters_.decompositions;
@@ -134,6 +140,13 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   extremes_.speed = checkpoint.number("extreme_speed");
   extremes_.compression = checkpoint.number("extreme_compression");
   extremes_.pressure = checkpoint.number("extreme_pressure");
+  const std::vector<double> motions = checkpoint.list("motions");
+  if (motions.size() == 3) own_motions_ = motions_ = {motions[0], motions[1], motions[2]};
+  extremes_.shortest_step = checkpoint.number("shortest_step");
+  const std::vector<double> limited = checkpoint.list("limited_steps");
+  for (std::size_t k = 0; k < std::min(limited.size(), counters_.limited_steps.size()); ++k)
+    counters_.limited_steps[k] = static_cast<std::int64_t>(limited[k]);
+  counters_.windows = checkpoint.count("windows");
   counters_.steps = earlier_steps_ = checkpoint.count("steps");
   counters_.builds = checkpoint.count("builds");
   counters_.decompositions = checkpoint.count("decompositions") + (same_ranks ? 0 : 1);

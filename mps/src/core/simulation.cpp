@@ -25,7 +25,7 @@ void Simulation::step(double share_of_window) {
   if (!lists_valid_) find_neighbours(time_ + constants_.step);
   if (corrections_) {
     const Timer timer(phases_, Phase::corrections);
-    corrections_->update(particles_, neighbours_, halo_, fastest_);
+    corrections_->update(particles_, neighbours_, halo_, motions_.water);
   }
   {
     const Timer timer(phases_, Phase::continuity);
@@ -43,7 +43,7 @@ void Simulation::step(double share_of_window) {
       window_load_[b].force += share_of_window * load_[b].force;
       window_load_[b].torque += share_of_window * load_[b].torque;
     }
-    if (scene_.coupling.predictor && steps_per_window_ > 1) {
+    if (scene_.coupling.predictor && share_of_window < 1) {
       link_->sum_over_sharers(load_);
       bodies_->predict(load_, constants_.step);
     }
@@ -55,7 +55,9 @@ void Simulation::step(double share_of_window) {
 void Simulation::window() {
   if (bodies_) window_load_.assign(bodies_->count(), {});
   window_momentum_change_ = window_reaction_ = {};
-  for (int s = 0; s < steps_per_window_; ++s) step(1.0 / steps_per_window_);
+  const int steps = steps_of_window();
+  constants_.step = window_length() / steps;
+  for (int s = 0; s < steps; ++s) step(1.0 / steps);
   if (bodies_) {
     const Timer timer(phases_, Phase::coupling);
     std::vector<coupling::BodyPressures> pressures;
@@ -65,6 +67,25 @@ void Simulation::window() {
     bodies_->assign(link_->bodies());
   }
   if (scene_.output.audit) check_window();
+  ++counters_.windows;
+}
+
+/// As many as the scene says, or with adaptive steps as many as the motions of the step before ask for.
+int Simulation::steps_of_window() {
+  if (!scene_.numerics.adaptive_step) return steps_per_window_;
+  const auto [longest, limit] = mps::longest_step(constants_, motions_);
+  const double needed = std::ceil(window_length() / longest * (1 - 1e-12));
+  if (!(needed < 1000.0 * steps_per_window_)) {
+    throw coupling::InstabilityError(fmt::format(
+        "step {}, t = {:.6g} s: the {} limit asks for a time step of {:.3g} s, a {:.0f}th of the usual one: water up "
+        "to {:.4g} m/s and {:.4g} m/s2, bodies up to {:.4g} m/s",
+        counters_.steps, time_, name_of(limit), longest, longest_step_ / longest, motions_.water, motions_.acceleration,
+        motions_.bodies));
+  }
+  const int steps = std::max(steps_per_window_, static_cast<int>(needed));
+  if (steps > steps_per_window_) counters_.limited_steps[static_cast<std::size_t>(limit)] += steps;
+  extremes_.shortest_step = std::min(extremes_.shortest_step, window_length() / steps);
+  return steps;
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -102,14 +123,19 @@ void Simulation::synchronise() {
   }
   const Timer timer(phases_, Phase::synchronisation);
   // Agreed by one reduction: whether any lists are stale, the lowest rank that has found a failure, the largest
-  // request.
-  const double local[4] = {stale, failure_rank(), static_cast<double>(requested_), own_fastest_};
-  double global[4];
-  MPI_Allreduce(local, global, 4, MPI_DOUBLE, MPI_MAX, comm_);
+  // request, the largest motions.
+  const double local[6] = {stale,
+                           failure_rank(),
+                           static_cast<double>(requested_),
+                           own_motions_.water,
+                           own_motions_.bodies,
+                           own_motions_.acceleration};
+  double global[6];
+  MPI_Allreduce(local, global, 6, MPI_DOUBLE, MPI_MAX, comm_);
   if (global[1] > 0) report_failure(global[1]);
   agreed_request_ = static_cast<int>(global[2]);
   if (global[0] > 0) lists_valid_ = false;
-  fastest_ = global[3];
+  motions_ = {global[3], global[4], global[5]};
 }
 
 /// Zero without a failure; otherwise the larger, the lower the rank.
@@ -257,18 +283,20 @@ void Simulation::evaluate_forces(double time) {
 void Simulation::integrate_velocities() {
   const Timer timer(phases_, Phase::integration);
   struct alignas(64) Part {
-    double speed_square = 0, compression = 0, pressure = 0;
+    double speed_square = 0, acceleration_square = 0, compression = 0, pressure = 0;
     std::string failure;
   };
   std::vector<Part> parts(threads());
   for_each(particles_.water, [&](std::size_t i, int thread) {
     Part& part = parts[thread];
     Record& record = particles_.record[i];
-    double square = 0;
+    double square = 0, acceleration_square = 0;
     for (int c = 0; c < 3; ++c) {
       record.v[c] += constants_.step * acceleration_[i][c];
       square += record.v[c] * record.v[c];
+      acceleration_square += acceleration_[i][c] * acceleration_[i][c];
     }
+    part.acceleration_square = std::max(part.acceleration_square, acceleration_square);
     part.speed_square = std::max(part.speed_square, square);
     part.compression = std::max(part.compression, std::abs(record.s - 1.0));
     part.pressure = std::max(part.pressure, record.p);
@@ -309,14 +337,15 @@ void Simulation::integrate_velocities() {
       for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
     }
   }
-  own_fastest_ = 0;
+  own_motions_ = {0, bodies_ ? bodies_->fastest() : 0, 0};
   for (const Part& part : parts) {
-    own_fastest_ = std::max(own_fastest_, std::sqrt(part.speed_square));
+    own_motions_.water = std::max(own_motions_.water, std::sqrt(part.speed_square));
+    own_motions_.acceleration = std::max(own_motions_.acceleration, std::sqrt(part.acceleration_square));
     extremes_.compression = std::max(extremes_.compression, part.compression);
     extremes_.pressure = std::max(extremes_.pressure, part.pressure);
     if (failure_.empty()) failure_ = part.failure;
   }
-  extremes_.speed = std::max(extremes_.speed, own_fastest_);
+  extremes_.speed = std::max(extremes_.speed, own_motions_.water);
   counters_.water_updates += static_cast<std::int64_t>(particles_.water);
   counters_.particle_updates += static_cast<std::int64_t>(particles_.water + neighbours_.wet_points().size());
   counters_.pair_sweeps += static_cast<std::int64_t>(2 * neighbours_.pairs());
@@ -337,6 +366,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       neighbours_(scene.dimension, constants_.support + constants_.skin),
       displacements_(constants_.support, constants_.skin),
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
+  longest_step_ = constants_.step;
   if (scene.numerics.regularisation == Regularisation::shifting) corrections_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
   if (restart != nullptr) {

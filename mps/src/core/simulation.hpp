@@ -28,12 +28,16 @@ struct Extremes {
   double speed = 0;                  ///< [m/s]
   double compression = 0;            ///< |rho/rho0 - 1|
   double pressure = 0;               ///< [Pa]
+  double shortest_step = 1e300;      ///< of all ranks [s]
   double body_penetration = -1e300;  ///< deepest place of a water particle below the surface of a body [m]
 };
 
 /// Counted since the start on this rank.
 struct Counters {
+  std::int64_t windows = 0;
   std::int64_t steps = 0;
+  /// Those that had to be shorter than usual, by what limited them (adaptive steps only).
+  std::array<std::int64_t, static_cast<std::size_t>(StepLimit::count)> limited_steps{};
   std::int64_t builds = 0;
   std::int64_t decompositions = 0;
   std::int64_t water_updates = 0;     ///< own water particles times steps
@@ -69,7 +73,8 @@ class Simulation {
   void save(CheckpointContent& content);
 
   [[nodiscard]] double time() const { return time_; }
-  [[nodiscard]] double window_length() const { return constants_.step * steps_per_window_; }
+  [[nodiscard]] double window_length() const { return longest_step_ * steps_per_window_; }
+  [[nodiscard]] double longest_step() const { return longest_step_; }
   [[nodiscard]] const Constants& constants() const { return constants_; }
   [[nodiscard]] const Particles& particles() const { return particles_; }
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
@@ -97,6 +102,7 @@ class Simulation {
   };
 
   void step(double share_of_window);
+  [[nodiscard]] int steps_of_window();
   void move(double step);
   void synchronise();                 ///< agrees on stale lists, on failures and on requests
   void find_neighbours(double time);  ///< `time` is that of the positions
@@ -145,8 +151,9 @@ class Simulation {
   bool anywhere_ = true;  ///< the next migration follows a new decomposition
   double time_ = 0;
   double imbalance_ = 1;
-  double own_fastest_ = 0;  ///< largest speed of the own water [m/s]
-  double fastest_ = 0;      ///< of all water, in the step before
+  double longest_step_ = 0;  ///< [s]
+  Motions own_motions_;      ///< of the own water and bodies, in the last step
+  Motions motions_;          ///< of all ranks, in the step before
   std::int64_t removed_at_start_ = 0;
   bool started_ = false;
   std::int64_t earlier_steps_ = 0;

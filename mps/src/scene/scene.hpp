@@ -174,6 +174,7 @@ struct Numerics {
   KernelKind kernel = KernelKind::wendland;
   double support = 0;          ///< r_e / l0; 0: the kernel's default
   double cfl = 0.5;            ///< of c0 + reference speed
+  bool adaptive_step = false;  ///< shorter steps while something moves faster than expected
   double sound_speed = 0;      ///< c0 [m/s]; 0: ten times the reference speed
   double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;

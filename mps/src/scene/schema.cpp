@@ -135,6 +135,10 @@ Schema make_schema() {
                       .meaning = "Courant number: time step times (sound speed + reference speed) over l0",
                       .range = between(0.01, 2)},
                      [](Numerics& x) -> Target { return &x.cfl; }},
+                    {{.name = "adaptive_step",
+                      .meaning = "whether the time step becomes shorter while water or bodies are faster than the "
+                                 "reference speed, or a blow accelerates the water; see docs/numerics.md"},
+                     [](Numerics& x) -> Target { return &x.adaptive_step; }},
                     {{.name = "sound_speed",
                       .meaning = "numerical speed of sound; 0: ten times the reference speed",
                       .quantity = Q::speed,

@@ -187,13 +187,13 @@ TEST(Friction, DistancesAreAlongTheNormal) {
 TEST(Friction, TheTimeStepKeepsToTheShortestLimit) {
   Scene scene = shear(2, 0.5);
   const Constants acoustic = constants_of(scene);
-  EXPECT_STREQ(acoustic.step_limit, "acoustic");
+  EXPECT_STREQ(name_of(acoustic.step_limit), "acoustic");
   EXPECT_EQ(acoustic.step, 0.5 * l0 / 11);
   scene.fluid.kinematic_viscosity = 1;
-  EXPECT_STREQ(constants_of(scene).step_limit, "viscous");
+  EXPECT_STREQ(name_of(constants_of(scene).step_limit), "viscous");
   EXPECT_NEAR(constants_of(scene).step, 0.125 * l0 * l0, 1e-18);
   scene.fluid.gravity = {1e8, 0, 0};
-  EXPECT_STREQ(constants_of(scene).step_limit, "force");
+  EXPECT_STREQ(name_of(constants_of(scene).step_limit), "force");
   EXPECT_NEAR(constants_of(scene).step, 0.25 * std::sqrt(l0 / 1e8), 1e-18);
 }
 

@@ -53,9 +53,10 @@ TEST(Threads, SumsAreJoinedAndErrorsPassedOn) {
     sums.join();
     for (const Triple& sum : sums.total()) EXPECT_EQ(sum, (Triple{0, 100, 0}));
   }
-  EXPECT_THROW(for_each(100, [](std::size_t k, int) {
-                 if (k == 99) throw coupling::InstabilityError("of the last thread");
-               }),
+  EXPECT_THROW(for_each(100,
+                        [](std::size_t k, int) {
+                          if (k == 99) throw coupling::InstabilityError("of the last thread");
+                        }),
                coupling::InstabilityError);
   set_threads(1);
 }
@@ -114,6 +115,31 @@ TEST(Simulation, MirroredColumnsStayMirrored) {
   const WaterState state = measure(simulation, scene);
   EXPECT_NEAR(state.momentum[0], 0, 1e-9 * std::sqrt(2 * state.mass * state.energy.kinetic));
   EXPECT_GT(state.energy.kinetic, 0);
+}
+
+TEST(Simulation, AdaptiveStepsAreShorterWhileWaterIsFasterThanExpected) {
+  // A column that falls onto a floor three times faster than the scene says.
+  Scene scene = test::collapsing_column(2, 12);
+  scene.numerics.reference_speed = 1;
+  scene.numerics.sound_speed = 20;
+  scene.numerics.adaptive_step = true;
+  scene.water.front().velocity = {0, -3, 0};
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  run(simulation, 60);
+  const double usual = simulation.longest_step();
+  EXPECT_NEAR(simulation.time(), 60 * usual, 1e-9);  // windows keep their length
+  EXPECT_GT(simulation.counters().steps, 60);
+  const double at_start = 0.5 * 0.01 / (20 + 3);
+  EXPECT_LE(simulation.extremes().shortest_step, at_start);
+  std::int64_t limited = 0;
+  for (const std::int64_t steps : simulation.counters().limited_steps) limited += steps;
+  EXPECT_GT(limited, 0);
+  EXPECT_EQ(simulation.counters().limited_steps[static_cast<std::size_t>(StepLimit::viscous)], 0);
+
+  scene.numerics.adaptive_step = false;
+  Simulation fixed(scene, MPI_COMM_WORLD, nullptr);
+  run(fixed, 60);
+  EXPECT_EQ(fixed.counters().steps, 60);
 }
 
 TEST(Simulation, ABrokenRunNamesStepPlaceAndQuantity) {

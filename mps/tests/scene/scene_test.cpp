@@ -76,6 +76,7 @@ TEST(Read, FullScene) {
   const Numerics& n = s.numerics;
   EXPECT_EQ(n.particle_distance, 0.005);
   EXPECT_EQ(n.kernel, KernelKind::wendland);
+  EXPECT_TRUE(n.adaptive_step);
   EXPECT_EQ(
       (std::vector{n.support, n.cfl, n.sound_speed, n.reference_speed, n.artificial_viscosity, n.density_diffusion,
                    n.collision_distance, n.collision_restitution, n.skin, n.rebalance_imbalance}),
@@ -85,7 +86,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
   EXPECT_EQ(s.water[0].level, 0.25 + 0.02);
-  EXPECT_EQ(s.water[0].line, 36);
+  EXPECT_EQ(s.water[0].line, 37);
   EXPECT_EQ(s.water[0].kind, Water::Kind::box);
   EXPECT_EQ(s.water[1].kind, Water::Kind::table);
   const WaterTable& table = s.water[1].table;
@@ -212,7 +213,7 @@ TEST_F(SceneFile, MessagesHaveOneForm) {
             "text such "
             "as \"868 kg/m3\" (units kg/m3, g/cm3, t/m3)");
   EXPECT_EQ(error_with("scheme = \"parallel\"", "scheme = \"serail\""),
-            "scene.toml:80: coupling.scheme: unknown value 'serail'; did you mean 'serial'? allowed: serial, parallel");
+            "scene.toml:81: coupling.scheme: unknown value 'serail'; did you mean 'serial'? allowed: serial, parallel");
 }
 
 TEST_F(SceneFile, BadTomlSaysLineAndColumn) {
@@ -235,8 +236,8 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"[fluid]", "[[fluid]]", "scene.toml:15: fluid: may stand only once: write [fluid], not [[fluid]]"},
       {"title =", "run_title =", "scene.toml:2: run_title: unknown key; did you mean 'title'?"},
       {"[output]", "[output]\ncfl = 1",
-       "scene.toml:90: output.cfl: unknown key; it belongs to [numerics]; allowed: audit"},
-      {"end_time = \"2 s\"", "", "scene.toml:100: run.end_time: required, but missing; allowed: a time"},
+       "scene.toml:91: output.cfl: unknown key; it belongs to [numerics]; allowed: audit"},
+      {"end_time = \"2 s\"", "", "scene.toml:101: run.end_time: required, but missing; allowed: a time"},
       {"[run]\nend_time = \"2 s\"", "", "scene.toml: run.end_time: required, but missing"},
       {"script = \"in.blocks\"", "", "coupling.script: required, but missing"},
       // values
@@ -258,7 +259,7 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"\"5 mm\"", "\"1 mm * 2 mm\"", "only multiplication by a plain number is possible"},
       {"steps_per_window = 2", "steps_per_window = 2.5", "found number 2.5; allowed: a whole number, 1 to 10000"},
       {"predictor = false", "predictor = 0", "coupling.predictor: found number 0; allowed: true or false"},
-      {"\"in.blocks\"", "\"in.block\"", "scene.toml:78: coupling.script: there is no file 'in.block'"},
+      {"\"in.blocks\"", "\"in.block\"", "scene.toml:79: coupling.script: there is no file 'in.block'"},
       {"width = \"2 cm\"", "width = true", "coupling.variables.width: found true; allowed: a number, a quantity, text"},
       {"width = \"2 cm\"", "width = \"2 cmm\"", "coupling.variables.width: unknown unit 'cmm'; did you mean 'cm'?"},
       {"width = \"2 cm\"", "a-b = 1", "coupling.variables.a-b: a variable's name has letters, digits and _"},
@@ -326,9 +327,9 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"table = \"paddle.csv\"", "table = \"paddle.csv\"\nstart = 1",
        "wall.paddle.motion.start: belongs to a motion by velocity"},
       {"checkpoint_every = 0", "checkpoint_every = 1",
-       "scene.toml:96: output.checkpoint_every: the scene has solids (coupling.script), whose state no checkpoint "
+       "scene.toml:97: output.checkpoint_every: the scene has solids (coupling.script), whose state no checkpoint "
        "holds"},
-      {"checkpoint_wall = 0", "checkpoint_wall = 1", "scene.toml:97: output.checkpoint_wall: the scene has solids"},
+      {"checkpoint_wall = 0", "checkpoint_wall = 1", "scene.toml:98: output.checkpoint_wall: the scene has solids"},
       {"pictures = [1,", "pictures = [3,", "output.pictures: 3 s is after the end of the run (run.end_time = 2 s)"},
   };
   ASSERT_EQ(error(full_), "");
@@ -353,7 +354,7 @@ TEST_F(SceneFile, OverridesAreBlamedForTheirMistakes) {
       {"flud.density=3", "--set flud.density=3: flud: unknown section; did you mean 'fluid'?"},
       {"parameters.depth=3 kg", "--set parameters.depth=3 kg (scene.toml:7): parameters.freeboard: "},
       {"parameters.depth=5",
-       "--set parameters.depth=5 (scene.toml:39): water.upstream.upper: [0.5, 0.5, 5] m is outside"},
+       "--set parameters.depth=5 (scene.toml:40): water.upstream.upper: [0.5, 0.5, 5] m is outside"},
       {"domain.upper=[0.1,0.1,0.1]", "--set domain.upper=[0.1,0.1,0.1]: water.upstream.upper: "},
   };
   for (const auto& [text, expected] : mistakes) EXPECT_HAS(error(full_, {text}), expected);
