@@ -213,7 +213,7 @@ std::string explain_report(const Scene& scene) {
   module(n.density_diffusion > 0, "density diffusion", "in the density sweep");
   module(n.adaptive_step, "adaptive time step", "in the reduction of each step");
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
-  module(n.collision_distance > 0, "particle collision", "in the force sweep");
+  module(c.collision_distance > 0, "particle collision", "in the force sweep");
   module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
   module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
   module(solids, "walls: extrapolated pressure", "a sweep over wet wall points");

@@ -107,6 +107,7 @@ Constants constants_of(const Scene& scene) {
   c.shifting = scene.numerics.shifting;
   c.crowding_factor =
       c.dimension / lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support).weight;
+  if (scene.numerics.regularisation != Regularisation::none)
   c.collision_distance = scene.numerics.collision_distance * c.particle_distance;
   c.collision_restitution = scene.numerics.collision_restitution;
   return c;

@@ -87,7 +87,7 @@ struct Form {
 
 enum class KernelKind { wendland, rational };
 /// What keeps particles in order.
-enum class Regularisation { collision, shifting };
+enum class Regularisation { collision, shifting, none };
 /// Default support in particle distances.
 [[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
 enum class Scheme { serial, parallel };

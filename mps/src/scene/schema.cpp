@@ -159,8 +159,8 @@ Schema make_schema() {
                      [](Numerics& x) -> Target { return &x.density_diffusion; }},
                     {{.name = "regularisation",
                       .meaning = "what keeps the particles in order: `collision` of those that come too near, or "
-                                 "`shifting` with corrected operators, for internal flow",
-                      .choices = {"collision", "shifting"}},
+                                 "`shifting` with corrected operators (and collisions), for internal flow; or `none`",
+                      .choices = {"collision", "shifting", "none"}},
                      [](Numerics& x) -> Target { return &x.regularisation; }},
                     {{.name = "shifting",
                       .meaning = "strength of the shifting; needs `regularisation = \"shifting\"`",

@@ -101,6 +101,29 @@ TEST(Simulation, StillWaterStaysStill) {
   }
 }
 
+TEST(Simulation, WithoutRegularisationParticlesPassThrough) {
+  // Two particles that meet head-on, too slowly for the pressure to part them: a collision takes half of their speed.
+  const auto speed_after = [](Regularisation regularisation) {
+    Scene scene = test::still_tank(2, 4);
+    scene.walls.clear();
+    scene.fluid.gravity = {};
+    scene.numerics.sound_speed = 1;
+    scene.numerics.reference_speed = 0.1;
+    scene.numerics.artificial_viscosity = 0;
+    scene.numerics.density_diffusion = 0;
+    scene.numerics.regularisation = regularisation;
+    Water& water = scene.water.front();
+    water.kind = Water::Kind::table;
+    water.table.has_velocity = true;
+    water.table.rows = {{{0, 0.5, 0}, {0.001, 0, 0}}, {{0.008, 0.5, 0}, {-0.001, 0, 0}}};
+    Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+    run(simulation, 1);
+    return std::abs(simulation.particles().record[0].v[0]);
+  };
+  EXPECT_NEAR(speed_after(Regularisation::none), 0.001, 5e-5);
+  EXPECT_NEAR(speed_after(Regularisation::collision), 0.0005, 5e-5);
+}
+
 TEST(Simulation, MirroredColumnsStayMirrored) {
   // Two columns at both ends of a tank: the left half mirrors the right one.
   Scene scene = test::still_tank(2, 10);
