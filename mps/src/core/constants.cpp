@@ -86,6 +86,7 @@ Constants constants_of(const Scene& scene) {
   c.particle_mass = c.density * std::pow(c.particle_distance, c.dimension) * (c.dimension == 2 ? scene.thickness : 1.0);
   for (int k = 0; k < 3; ++k) c.gravity[k] = scene.fluid.gravity[k];
   for (int k = 0; k < 3; ++k) c.static_gravity[k] = scene.static_gravity()[k];
+  if (scene.numerics.diffusion == Diffusion::dynamic) std::copy_n(c.static_gravity, 3, c.diffusion_gravity);
   c.periodic = periodic_of(scene);
   c.reference_speed = reference_speed(scene);
   c.sound_speed = scene.numerics.sound_speed > 0 ? scene.numerics.sound_speed : 10 * c.reference_speed;

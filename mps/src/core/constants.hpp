@@ -32,6 +32,9 @@ struct Constants {
   double cfl = 0;
   double gravity[3] = {0, 0, 0};  ///< [m/s^2]
   double static_gravity[3] = {};  ///< the part that pressure can balance: not along periodic directions [m/s^2]
+  /// Gravity whose hydrostatic density the density diffusion leaves alone; zero: none [m/s^2].
+  double diffusion_gravity[3] = {};
+
   Periodic periodic;
   double gradient_factor = 0;       ///< d/n0
   double laplacian_factor = 0;      ///< 2 d/(lambda n0)

@@ -200,8 +200,8 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
     const Kernel<K> kernel{1.0 / c.support};
     const Record* records = particles.record.data();
     const double inverse_c2 = 1.0 / (c.sound_speed * c.sound_speed);
-    const Pack gx = splat(c.static_gravity[0] * inverse_c2), gy = splat(c.static_gravity[1] * inverse_c2),
-               gz = splat(c.static_gravity[2] * inverse_c2);
+    const Pack gx = splat(c.diffusion_gravity[0] * inverse_c2), gy = splat(c.diffusion_gravity[1] * inverse_c2),
+               gz = splat(c.diffusion_gravity[2] * inverse_c2);
     const double diffusion = c.density_diffusion * c.laplacian_factor;
     for_each(particles.water, [&](std::size_t i, int) {
       const Record& me = records[i];

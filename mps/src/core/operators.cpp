@@ -13,8 +13,8 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
   const Kernel<K> kernel{1.0 / c.support};
   const Record* records = particles.record.data();
   const double inverse_c2 = 1.0 / (c.sound_speed * c.sound_speed);
-  const Pack gx = splat(c.static_gravity[0] * inverse_c2), gy = splat(c.static_gravity[1] * inverse_c2),
-             gz = splat(c.static_gravity[2] * inverse_c2);
+  const Pack gx = splat(c.diffusion_gravity[0] * inverse_c2), gy = splat(c.diffusion_gravity[1] * inverse_c2),
+             gz = splat(c.diffusion_gravity[2] * inverse_c2);
   const double diffusion = c.density_diffusion * c.laplacian_factor;
   // Geometry of the middle of the step that led here: with that of its end, compression and expansion along the same
   // way do not cancel, and water gains volume and energy in proportion to the step.

@@ -18,7 +18,8 @@ using Reactions = ThreadSums<Triple>;
 ///   ds/dt = -(d/n0) SUM (v_j - v_i).r_ij F + delta' c0 l0 (2d/(lambda n0)) SUM [(s_j - s_i) - g.r_ij/c0^2] F r^2,
 /// the first sum over all neighbours, the second over water only, r_ij = r_j - r_i, F = W/r^2: thesis eq 5.16 with unit
 /// weights, and eq 5.30 with the hydrostatic part removed and a coefficient that does not depend on the time step
-/// (Fourtakas et al. 2019, doi:10.1016/j.compfluid.2019.06.009). Then p from the equation of state.
+/// (Fourtakas et al. 2019, doi:10.1016/j.compfluid.2019.06.009); with `diffusion = "plain"` it stays. Then p from the
+/// equation of state.
 void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants);
 
 /// Pressure of the own solid points near water, extrapolated from it (Adami et al. 2012,

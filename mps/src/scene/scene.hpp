@@ -90,6 +90,8 @@ enum class KernelKind { wendland, rational };
 enum class Regularisation { collision, shifting, none };
 /// Default support in particle distances.
 [[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
+/// What the density diffusion acts on: the density less its hydrostatic part, or all of it.
+enum class Diffusion { dynamic, plain };
 enum class Scheme { serial, parallel };
 enum class GaugeKind { level, pressure, front };
 
@@ -179,6 +181,7 @@ struct Numerics {
   double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;
   double density_diffusion = 0.15;  ///< delta' of notes: coefficient of c0 l0
+  Diffusion diffusion = Diffusion::dynamic;
   Regularisation regularisation = Regularisation::collision;
   double shifting = 1;              ///< strength
   double collision_distance = 0.9;  ///< in l0; 0 leaves the collision out

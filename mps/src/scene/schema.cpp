@@ -157,6 +157,10 @@ Schema make_schema() {
                       .meaning = "coefficient of the density diffusion, in sound speed times l0",
                       .range = between(0, 1)},
                      [](Numerics& x) -> Target { return &x.density_diffusion; }},
+                    {{.name = "diffusion",
+                      .meaning = "what it acts on: the `dynamic` density, less its hydrostatic part, or `plain`",
+                      .choices = {"dynamic", "plain"}},
+                     [](Numerics& x) -> Target { return &x.diffusion; }},
                     {{.name = "regularisation",
                       .meaning = "what keeps the particles in order: `collision` of those that come too near, or "
                                  "`shifting` with corrected operators (and collisions), for internal flow; or `none`",

@@ -101,6 +101,29 @@ TEST(Simulation, StillWaterStaysStill) {
   }
 }
 
+TEST(Simulation, PlainDiffusionAlsoSmoothsTheHydrostaticDensity) {
+  // Still water of hydrostatic density: the top row, whose neighbours are all denser or as dense, gains density by the
+  // plain Laplacian, and none by that of the dynamic density (their difference: the Tait equation to first order).
+  const auto gain_of_top = [](Diffusion diffusion) {
+    Scene scene = test::still_tank(2, 10);
+    scene.numerics.diffusion = diffusion;
+    Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+    (void)simulation.begin_epoch(1);
+    Particles particles = simulation.particles();
+    advance_density(particles, simulation.neighbours(), simulation.constants());
+    double gain = 0;
+    for (std::size_t i = 0; i < particles.water; ++i) {
+      if (particles.record[i].x[1] < 0.09) continue;
+      gain += (particles.record[i].s - simulation.particles().record[i].s) / 10;
+    }
+    return gain;
+  };
+  const Constants c = constants_of(test::still_tank(2, 10));
+  const double row = 9.81 * c.particle_distance / (c.sound_speed * c.sound_speed);  // rise of s over a row
+  EXPECT_NEAR(gain_of_top(Diffusion::dynamic), 0, 1e-3 * row);
+  EXPECT_GT(gain_of_top(Diffusion::plain), 1e-2 * row);
+}
+
 TEST(Simulation, WithoutRegularisationParticlesPassThrough) {
   // Two particles that meet head-on, too slowly for the pressure to part them: a collision takes half of their speed.
   const auto speed_after = [](Regularisation regularisation) {

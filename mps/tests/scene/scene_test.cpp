@@ -81,6 +81,7 @@ TEST(Read, FullScene) {
       (std::vector{n.support, n.cfl, n.sound_speed, n.reference_speed, n.artificial_viscosity, n.density_diffusion,
                    n.collision_distance, n.collision_restitution, n.skin, n.rebalance_imbalance}),
       (std::vector{3.1, 0.4, 30.0, 3.0, 0.02, 0.1, 0.8, 0.4, 0.2, 1.2}));
+  EXPECT_EQ(n.diffusion, Diffusion::plain);
   ASSERT_EQ(s.water.size(), 5U);
   EXPECT_EQ(s.water[0].name, "upstream");
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
