@@ -215,6 +215,7 @@ std::string explain_report(const Scene& scene) {
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
   module(c.collision_distance > 0, "particle collision", "in the force sweep");
   module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
+  module(c.smagorinsky > 0, "turbulence (Smagorinsky)", "two sweeps over pairs of water, a message a step");
   module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
   module(solids, "walls: extrapolated pressure", "a sweep over wet wall points");
   module(moving, "moving walls", "a pass over wall points");

@@ -45,6 +45,7 @@ struct Constants {
   double shifting = 0;              ///< strength of particle shifting, 1 as published
   double crowding_factor = 0;       ///< d/n0 of the rational weight, by which particles are shifted
   double collision_distance = 0;    ///< [m]
+  double smagorinsky = 0;           ///< coefficient Cs of the eddy viscosity; 0: none
   double collision_restitution = 0;
   LatticeSums lattice;
 };

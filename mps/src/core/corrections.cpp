@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/dispatch.hpp"
+#include "core/symmetric.hpp"
 
 namespace embacle::mps {
 
@@ -15,34 +16,6 @@ constexpr double surface_concentration = 0.9;
 constexpr double least_eigenvalue = 0.5;    ///< of the matrix that is inverted
 constexpr double least_density = 0.9;       ///< of rest; the equation of state holds nowhere near such tension
 constexpr double interior_collision = 0.5;  ///< distance below which particles collide in the interior, in l0
-
-/// A symmetric matrix: xx, yy, zz, xy, yz, zx.
-using Symmetric = double[6];
-
-bool all_eigenvalues_above(const Symmetric& m, double bound, int dimension) {
-  const double a = m[0] - bound, b = m[1] - bound, c = m[2] - bound;
-  const double minor = a * b - m[3] * m[3];
-  if (!(a > 0 && minor > 0)) return false;
-  if (dimension == 2) return true;
-  return c * minor - a * m[4] * m[4] - b * m[5] * m[5] + 2 * m[3] * m[4] * m[5] > 0;
-}
-
-void invert(Symmetric& m, int dimension) {
-  if (dimension == 2) {
-    const double scale = 1 / (m[0] * m[1] - m[3] * m[3]);
-    std::swap(m[0], m[1]);
-    m[0] *= scale;
-    m[1] *= scale;
-    m[3] *= -scale;
-    m[2] = 1;
-    m[4] = m[5] = 0;
-    return;
-  }
-  const Symmetric cofactor{m[1] * m[2] - m[4] * m[4], m[0] * m[2] - m[5] * m[5], m[0] * m[1] - m[3] * m[3],
-                           m[4] * m[5] - m[3] * m[2], m[3] * m[5] - m[0] * m[4], m[3] * m[4] - m[1] * m[5]};
-  const double scale = 1 / (m[0] * cofactor[0] + m[3] * cofactor[3] + m[5] * cofactor[5]);
-  for (int k = 0; k < 6; ++k) m[k] = scale * cofactor[k];
-}
 
 double inner_product(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 

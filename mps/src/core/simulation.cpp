@@ -271,6 +271,7 @@ void Simulation::evaluate_forces(double time) {
     } else {
       accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
     }
+    if (turbulence_) turbulence_->apply(particles_, neighbours_, halo_, acceleration_);
     friction_.apply(particles_, neighbours_, time, acceleration_, reaction_);
     reaction_.join();
   }
@@ -368,6 +369,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
   longest_step_ = constants_.step;
   if (scene.numerics.regularisation == Regularisation::shifting) corrections_.emplace(constants_);
+  if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
   if (restart != nullptr) {
     restore(*restart);
@@ -511,7 +513,8 @@ void Simulation::check_window() {
 std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
          wall_points_.capacity() * sizeof(WallPoint) + acceleration_.capacity() * sizeof(Triple) + reaction_.bytes() +
-         displacements_.bytes() + (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0);
+         displacements_.bytes() + (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0) +
+         (turbulence_ ? turbulence_->bytes() : 0);
 }
 
 }  // namespace embacle::mps

@@ -17,6 +17,7 @@
 #include "core/neighbours.hpp"
 #include "core/operators.hpp"
 #include "core/phases.hpp"
+#include "core/turbulence.hpp"
 #include "core/walls.hpp"
 #include "embacle/coupling/link.hpp"
 #include "output/checkpoint.hpp"
@@ -140,6 +141,7 @@ class Simulation {
   std::vector<Vec3d> wall_moved_;  ///< displacement of each wall since time zero, at the last build; empty: all at rest
   std::optional<Bodies> bodies_;
   std::optional<Corrections> corrections_;
+  std::optional<Turbulence> turbulence_;
   int steps_per_window_ = 1;
 
   std::vector<Triple> acceleration_, point_acceleration_;

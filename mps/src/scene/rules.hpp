@@ -116,6 +116,9 @@ class Rules {
                             (n.kernel == KernelKind::wendland ? "wendland" : "rational") +
                             " kernel; allowed: " + range.text());
     }
+    if (context_.given("numerics.smagorinsky") && context_.sound("numerics.turbulence") &&
+        n.turbulence != TurbulenceModel::smagorinsky)
+      context_.report({"numerics.smagorinsky", "numerics.turbulence"}, "belongs to turbulence = \"smagorinsky\"");
     if (!domain_sound_ || !context_.sound("numerics.particle_distance")) return;
     for (int axis = 0; axis < scene_.dimension; ++axis) {
       const double extent = scene_.domain.upper[axis] - scene_.domain.lower[axis];

@@ -92,6 +92,8 @@ enum class Regularisation { collision, shifting, none };
 [[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
 /// What the density diffusion acts on: the density less its hydrostatic part, or all of it.
 enum class Diffusion { dynamic, plain };
+/// Model of the turbulence below the size of the particles.
+enum class TurbulenceModel { none, smagorinsky };
 enum class Scheme { serial, parallel };
 enum class GaugeKind { level, pressure, front };
 
@@ -186,6 +188,8 @@ struct Numerics {
   double shifting = 1;              ///< strength
   double collision_distance = 0.9;  ///< in l0; 0 leaves the collision out
   double collision_restitution = 0.5;
+  TurbulenceModel turbulence = TurbulenceModel::none;
+  double smagorinsky = 0.12;         ///< coefficient Cs of the length Cs l0
   double skin = 0.3;                 ///< of the neighbour list, in l0
   double rebalance_imbalance = 1.1;  ///< re-decompose when the largest rank has this times the mean work
 };

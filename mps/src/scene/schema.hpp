@@ -21,10 +21,11 @@ using SurfacePointer = std::shared_ptr<const Surface>;
 using Polygon = std::vector<Vec3d>;
 
 /// Where a value goes; the type of the pointer is the type that the key expects.
-using Target = std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
-                            std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*,
-                            KernelKind*, Regularisation*, Diffusion*, Scheme*, GaugeKind*, Wall::Kind*, Water::Kind*,
-                            WaterTable*, std::optional<Vec3d>*, Axis*, Polygon*, SurfacePointer*>;
+using Target =
+    std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
+                 std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*, KernelKind*,
+                 Regularisation*, Diffusion*, TurbulenceModel*, Scheme*, GaugeKind*, Wall::Kind*, Water::Kind*,
+                 WaterTable*, std::optional<Vec3d>*, Axis*, Polygon*, SurfacePointer*>;
 
 /// Index of the word that an enumeration stands for; nothing for other values.
 [[nodiscard]] inline std::optional<std::size_t> choice_of(const Target& target) {

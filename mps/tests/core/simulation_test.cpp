@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/filling.hpp"
+#include "core/turbulence.hpp"
 #include "small_runs.hpp"
 #include "small_scenes.hpp"
 
@@ -244,6 +245,78 @@ TEST(Simulation, ATableGivesVelocityAndPressure) {
   EXPECT_EQ(count, 5);
   water.table.rows.back().pressure = 1e6;
   EXPECT_THROW((void)fill(scene, constants, walls, 0, 1), coupling::InputError);
+}
+
+/// Water off the lattice by a fifth of a particle distance, moving by `field`, and what turbulence adds to it.
+struct Sheared {
+  template <class Field>
+  Sheared(int dimension, const Field& field) {
+    Scene scene = test::still_tank(dimension, dimension == 3 ? 8 : 16);
+    scene.walls.clear();
+    scene.fluid.gravity = {};
+    scene.numerics.reference_speed = 1;
+    scene.numerics.turbulence = TurbulenceModel::smagorinsky;
+    scene.numerics.smagorinsky = 0.2;
+    Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+    (void)simulation.begin_epoch(1);
+    particles = simulation.particles();
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> off(-0.002, 0.002);
+    for (std::size_t i = 0; i < particles.water; ++i) {
+      for (int c = 0; c < dimension; ++c) particles.record[i].x[c] += off(random);
+      const Vec3d v = field(particles.record[i].x);
+      std::copy_n(v.begin(), 3, particles.record[i].v);
+    }
+    Halo halo = simulation.halo();
+    halo.update_motion(particles);
+    constants = simulation.constants();
+    Turbulence turbulence(constants);
+    acceleration.assign(particles.water, {});
+    turbulence.apply(particles, simulation.neighbours(), halo, acceleration);
+    viscosity = turbulence.viscosity();
+  }
+  Constants constants;
+  Particles particles;
+  std::vector<Triple> acceleration;
+  std::vector<double> viscosity;
+};
+
+TEST(Turbulence, EddyViscosityOfAUniformShearIsExact) {
+  for (const int dimension : {2, 3}) {
+    const double gradient[3][3] = {{1, 2, 3}, {-4, -1, 5}, {2, 0.5, 0}};
+    const Sheared sheared(dimension, [&](const double* x) {
+      Vec3d v{};
+      for (int a = 0; a < dimension; ++a) {
+        for (int b = 0; b < dimension; ++b) v[a] += gradient[a][b] * x[b];
+      }
+      return v;
+    });
+    // 2 S:S: diagonals 1, -1, 0; off them -1, and in 3-D 2.5 and 2.75.
+    const double square = dimension == 2 ? 2 * (2 + 2 * 1) : 2 * (2 + 2 * (1 + 2.5 * 2.5 + 2.75 * 2.75));
+    const double expected = std::pow(0.2 * 0.01, 2) * std::sqrt(square);
+    for (std::size_t i = 0; i < sheared.particles.water; ++i)
+      EXPECT_NEAR(sheared.viscosity[i], expected, 1e-9 * expected) << dimension << "-D, particle " << i;
+  }
+}
+
+TEST(Turbulence, KeepsMomentumAndTakesEnergy) {
+  for (const int dimension : {2, 3}) {
+    const Sheared sheared(dimension, [](const double* x) {
+      return Vec3d{std::sin(60 * x[1]), std::cos(50 * x[0]) + x[2], 0};
+    });
+    double local[5] = {}, sums[5];  // momentum, its terms' size, power
+    for (std::size_t i = 0; i < sheared.particles.water; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        local[c] += sheared.acceleration[i][c];
+        local[3] += std::abs(sheared.acceleration[i][c]);
+        local[4] += sheared.acceleration[i][c] * sheared.particles.record[i].v[c];
+      }
+    }
+    MPI_Allreduce(local, sums, 5, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    EXPECT_GT(sums[3], 0);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sums[c], 0, 1e-12 * sums[3]);
+    EXPECT_LT(sums[4], 0);
+  }
 }
 
 TEST(Walls, AGateMovesAsPrescribed) {

@@ -82,12 +82,14 @@ TEST(Read, FullScene) {
                    n.collision_distance, n.collision_restitution, n.skin, n.rebalance_imbalance}),
       (std::vector{3.1, 0.4, 30.0, 3.0, 0.02, 0.1, 0.8, 0.4, 0.2, 1.2}));
   EXPECT_EQ(n.diffusion, Diffusion::plain);
+  EXPECT_EQ(n.turbulence, TurbulenceModel::smagorinsky);
+  EXPECT_EQ(n.smagorinsky, 0.2);
   ASSERT_EQ(s.water.size(), 5U);
   EXPECT_EQ(s.water[0].name, "upstream");
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
   EXPECT_EQ(s.water[0].level, 0.25 + 0.02);
-  EXPECT_EQ(s.water[0].line, 37);
+  EXPECT_EQ(s.water[0].line, 39);
   EXPECT_EQ(s.water[0].kind, Water::Kind::box);
   EXPECT_EQ(s.water[1].kind, Water::Kind::table);
   const WaterTable& table = s.water[1].table;
@@ -327,6 +329,8 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
        "wall.belt.slip: a wall with a velocity of its surface drags the water: leave out one"},
       {"table = \"paddle.csv\"", "table = \"paddle.csv\"\nstart = 1",
        "wall.paddle.motion.start: belongs to a motion by velocity"},
+      {"turbulence = \"smagorinsky\"", "turbulence = \"none\"",
+       "numerics.smagorinsky: belongs to turbulence = \"smagorinsky\""},
       {"checkpoint_every = 0", "checkpoint_every = 1",
        "scene.toml:97: output.checkpoint_every: the scene has solids (coupling.script), whose state no checkpoint "
        "holds"},
