@@ -217,7 +217,9 @@ std::string explain_report(const Scene& scene) {
   module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
   module(c.smagorinsky > 0, "turbulence (Smagorinsky)", "two sweeps over pairs of water, a message a step");
   module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
-  module(solids, "walls: extrapolated pressure", "a sweep over wet wall points");
+  module(solids,
+         n.wall_pressure == WallPressure::continuity ? "walls: pressure by continuity" : "walls: extrapolated pressure",
+         "a sweep over wet wall points");
   module(moving, "moving walls", "a pass over wall points");
   module(thin, "thin walls seen from one side", "checks near them when lists are built");
   module(scene.coupled(), "bodies (LIGGGHTS)",

@@ -1,6 +1,7 @@
 // What a checkpoint holds of the simulation and of the recorder, and how they continue from one.
 #include <algorithm>
 #include <sstream>
+#include <unordered_map>
 
 #include "core/filling.hpp"
 #include "core/recorder.hpp"
@@ -97,6 +98,31 @@ void Simulation::save(CheckpointContent& content) {
   }
   content.lists["water_of_rank"] = gathered(static_cast<double>(particles_.water), comm_);
   add_water(content, particles_);
+  if (!wall_density_) return;
+  wall_density_->keep(particles_);
+  content.counts["wall_density_started"] = wall_density_->started() ? 1 : 0;
+  std::vector<double> rows;
+  for (std::size_t k = 0; k < wall_points_.size(); ++k) {
+    if (wall_density_->of(k) == 1) continue;
+    rows.push_back(static_cast<double>(wall_points_[k].identity.id));
+    rows.push_back(wall_density_->of(k));
+  }
+  content.tables.push_back({"wall_density", "id, rho/rho0 [-] of wall points where it is not 1", 2, std::move(rows)});
+}
+
+/// Every rank reads the densities of all wall points, and takes those of its own.
+void Simulation::restore_wall_density(const CheckpointReader& checkpoint) {
+  const std::int64_t count = checkpoint.rows("wall_density");
+  std::vector<double> rows(2 * count);
+  checkpoint.read("wall_density", 0, count, rows);
+  std::unordered_map<std::int64_t, double> density;
+  for (std::int64_t i = 0; i < count; ++i) density[static_cast<std::int64_t>(rows[2 * i])] = rows[2 * i + 1];
+  std::vector<double> stored(wall_points_.size(), 1.0);
+  for (std::size_t k = 0; k < stored.size(); ++k) {
+    const auto found = density.find(wall_points_[k].identity.id);
+    if (found != density.end()) stored[k] = found->second;
+  }
+  wall_density_->restart(std::move(stored), checkpoint.count("wall_density_started") != 0);
 }
 
 /// On as many ranks as before, each takes its own part of space and its own water; on another number of ranks the water
@@ -116,6 +142,7 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   time_ = checkpoint.number("time");
   particles_.assign(read_water(checkpoint, first, end - first));
   adopt_walls(wall_points_of(walls_, rank_, size));
+  if (wall_density_) restore_wall_density(checkpoint);
   if (same_ranks) {
     const std::vector<double> numbers = checkpoint.list("boxes");
     std::vector<Box> boxes(size);

@@ -159,6 +159,7 @@ void Simulation::confirm() const {
 void Simulation::find_neighbours(double time) {
   const double reach = Displacements::reach(constants_.support, constants_.skin);
   std::vector<Traveller> solid;
+  if (wall_density_) wall_density_->keep(particles_);
   {
     const Timer timer(phases_, Phase::search);
     auto water = own_water();
@@ -203,6 +204,7 @@ void Simulation::adopt_walls(const std::vector<Traveller>& points) {
     adopted[k].identity = points[k].identity;
   }
   wall_points_ = std::move(adopted);
+  if (wall_density_) wall_density_->adopt(points);
 }
 
 /// Moves the stored wall points to where they are at `time`.
@@ -228,6 +230,7 @@ void Simulation::migrate_wall_points(double reach) {
   for (std::size_t k = 0; k < travellers.size(); ++k) {
     travellers[k] = {place_of(wall_points_[k]), wall_points_[k].identity};
     std::copy_n(wall_points_[k].at_zero, 3, travellers[k].record.v);
+    if (wall_density_) travellers[k].record.s = wall_density_->of(k);
   }
   halo_.migrate(decomposition_, reach, anywhere_, travellers);
   std::sort(travellers.begin(), travellers.end(),  // the same order whatever way they came
@@ -237,13 +240,16 @@ void Simulation::migrate_wall_points(double reach) {
 }
 
 /// Copies of the stored wall points that water can feel, with the velocity of their wall.
-std::vector<Traveller> Simulation::wall_points_near_water(double time) const {
+std::vector<Traveller> Simulation::wall_points_near_water(double time) {
   std::vector<Vec3d> velocity(walls_.count());
   for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time - constants_.step, constants_.step);
   std::vector<Traveller> result;
-  for (const WallPoint& point : wall_points_) {
-    const Record record = place_of(point);
-    if (!neighbours_.near_water(record.x)) continue;
+  for (std::size_t k = 0; k < wall_points_.size(); ++k) {
+    const WallPoint& point = wall_points_[k];
+    Record record = place_of(point);
+    const bool near_water = neighbours_.near_water(record.x);
+    if (wall_density_) record.s = wall_density_->pass(k, near_water);
+    if (!near_water) continue;
     result.push_back({record, point.identity});
     for (int c = 0; c < 3; ++c) result.back().record.v[c] = velocity[point.identity.owner][c];
   }
@@ -258,7 +264,11 @@ void Simulation::evaluate_forces(double time) {
   {
     const Timer timer(phases_, Phase::walls);
     if (bodies_) bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
-    extrapolate_pressure(particles_, neighbours_, constants_, point_acceleration_);
+    if (wall_density_) {
+      wall_density_->advance(particles_, neighbours_);
+    } else {
+      extrapolate_pressure(particles_, neighbours_, constants_, point_acceleration_);
+    }
   }
   {
     const Timer timer(phases_, Phase::halo);
@@ -369,6 +379,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
   longest_step_ = constants_.step;
   if (scene.numerics.regularisation == Regularisation::shifting) corrections_.emplace(constants_);
+  if (scene.numerics.wall_pressure == WallPressure::continuity) wall_density_.emplace(constants_);
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
   if (restart != nullptr) {
@@ -514,7 +525,7 @@ std::size_t Simulation::bytes() const {
   return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
          wall_points_.capacity() * sizeof(WallPoint) + acceleration_.capacity() * sizeof(Triple) + reaction_.bytes() +
          displacements_.bytes() + (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0) +
-         (turbulence_ ? turbulence_->bytes() : 0);
+         (turbulence_ ? turbulence_->bytes() : 0) + (wall_density_ ? wall_density_->bytes() : 0);
 }
 
 }  // namespace embacle::mps

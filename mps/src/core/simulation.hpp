@@ -18,6 +18,7 @@
 #include "core/operators.hpp"
 #include "core/phases.hpp"
 #include "core/turbulence.hpp"
+#include "core/wall_density.hpp"
 #include "core/walls.hpp"
 #include "embacle/coupling/link.hpp"
 #include "output/checkpoint.hpp"
@@ -111,6 +112,7 @@ class Simulation {
   void integrate_velocities();
   void decompose();
   void restore(const CheckpointReader& checkpoint);
+  void restore_wall_density(const CheckpointReader& checkpoint);
   [[nodiscard]] double failure_rank() const;
   void report_failure(double largest) const;
   void remove_water_in_bodies();
@@ -121,7 +123,7 @@ class Simulation {
   void place_wall_points(double time);
   [[nodiscard]] Record place_of(const WallPoint& point) const;
   void migrate_wall_points(double reach);
-  [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time) const;
+  [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time);
 
   const Scene& scene_;
   MPI_Comm comm_;
@@ -138,6 +140,7 @@ class Simulation {
   Particles particles_;
   /// All wall points in this rank's part of space; those near water have a copy among the particles.
   std::vector<WallPoint> wall_points_;
+  std::optional<WallDensity> wall_density_;
   std::vector<Vec3d> wall_moved_;  ///< displacement of each wall since time zero, at the last build; empty: all at rest
   std::optional<Bodies> bodies_;
   std::optional<Corrections> corrections_;

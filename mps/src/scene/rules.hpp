@@ -119,6 +119,10 @@ class Rules {
     if (context_.given("numerics.smagorinsky") && context_.sound("numerics.turbulence") &&
         n.turbulence != TurbulenceModel::smagorinsky)
       context_.report({"numerics.smagorinsky", "numerics.turbulence"}, "belongs to turbulence = \"smagorinsky\"");
+    if (n.wall_pressure == WallPressure::continuity && scene_.coupled())
+      context_.report({"numerics.wall_pressure", "coupling.script"},
+                      "continuity is for walls only, and the scene has solids (coupling.script), whose points keep no "
+                      "density; allowed: extrapolated");
     if (!domain_sound_ || !context_.sound("numerics.particle_distance")) return;
     for (int axis = 0; axis < scene_.dimension; ++axis) {
       const double extent = scene_.domain.upper[axis] - scene_.domain.lower[axis];

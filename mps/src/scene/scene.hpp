@@ -94,6 +94,8 @@ enum class Regularisation { collision, shifting, none };
 enum class Diffusion { dynamic, plain };
 /// Model of the turbulence below the size of the particles.
 enum class TurbulenceModel { none, smagorinsky };
+/// Pressure of wall points: extrapolated from the water, or from a density that the continuity equation gives them.
+enum class WallPressure { extrapolated, continuity };
 enum class Scheme { serial, parallel };
 enum class GaugeKind { level, pressure, front };
 
@@ -184,6 +186,7 @@ struct Numerics {
   double artificial_viscosity = 0.01;
   double density_diffusion = 0.15;  ///< delta' of notes: coefficient of c0 l0
   Diffusion diffusion = Diffusion::dynamic;
+  WallPressure wall_pressure = WallPressure::extrapolated;
   Regularisation regularisation = Regularisation::collision;
   double shifting = 1;              ///< strength
   double collision_distance = 0.9;  ///< in l0; 0 leaves the collision out

@@ -161,6 +161,11 @@ Schema make_schema() {
                       .meaning = "what it acts on: the `dynamic` density, less its hydrostatic part, or `plain`",
                       .choices = {"dynamic", "plain"}},
                      [](Numerics& x) -> Target { return &x.diffusion; }},
+                    {{.name = "wall_pressure",
+                      .meaning = "pressure of walls: `extrapolated` from the water, or by the `continuity` equation "
+                                 "for their points, without solids",
+                      .choices = {"extrapolated", "continuity"}},
+                     [](Numerics& x) -> Target { return &x.wall_pressure; }},
                     {{.name = "regularisation",
                       .meaning = "what keeps the particles in order: `collision` of those that come too near, or "
                                  "`shifting` with corrected operators (and collisions), for internal flow; or `none`",

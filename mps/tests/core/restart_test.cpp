@@ -161,6 +161,23 @@ TEST(Restart, OnAsManyRanksItContinuesBitForBit) {
   }
 }
 
+TEST(Restart, DensitiesOfWallsContinueBitForBit) {
+  const Folder folder;
+  Scene scene = lively_scene(3);  // also of walls that move, and with a new decomposition now and then
+  scene.numerics.wall_pressure = WallPressure::continuity;
+  Simulation whole(scene, MPI_COMM_WORLD, nullptr);
+  run_until(whole, 93);
+  write(whole, folder.file());
+  const CheckpointReader checkpoint(folder.file());
+  EXPECT_GT(checkpoint.rows("wall_density"), 50);
+  Simulation continued(scene, MPI_COMM_WORLD, nullptr, &checkpoint);
+  for (const int step : {94, 110, 200}) {
+    run_until(whole, step);
+    run_until(continued, step);
+    EXPECT_TRUE(same_bits(whole, continued)) << "step " << step;
+  }
+}
+
 /// Writes on `from`, continues by one step on `from` and on `to`, which must hold the same water. A rank that is in
 /// neither looks on.
 void compare_after_a_step(const Scene& scene, MPI_Comm from, MPI_Comm to) {

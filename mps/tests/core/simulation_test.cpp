@@ -84,6 +84,29 @@ TEST(Simulation, FreeFlightKeepsMomentumAndCentre) {
   }
 }
 
+TEST(Simulation, WallsHaveADensityOfTheirOwn) {
+  // The same on any number of ranks, and the pressure of still water holds without extrapolation.
+  Scene scene = test::collapsing_column(2, 24);
+  scene.numerics.wall_pressure = WallPressure::continuity;
+  const Result parallel = result_of(scene, MPI_COMM_WORLD, 200);
+  const Result alone = result_of(scene, MPI_COMM_SELF, 200);
+  scene.numerics.wall_pressure = WallPressure::extrapolated;
+  const Result other = result_of(scene, MPI_COMM_SELF, 200);
+  const double kinetic = alone.state.energy.kinetic;
+  EXPECT_NEAR(parallel.state.energy.kinetic, kinetic, 1e-9 * kinetic);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(parallel.centre[c], alone.centre[c], 1e-11);
+  EXPECT_NEAR(other.state.energy.kinetic, kinetic, 0.1 * kinetic);
+  EXPECT_GT(std::abs(other.state.energy.kinetic - kinetic), 1e-6 * kinetic);
+  scene = test::still_tank(2, 10);
+  scene.numerics.wall_pressure = WallPressure::continuity;
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  run(simulation, 400);
+  Gauge bottom;
+  bottom.kind = GaugeKind::pressure;
+  bottom.position = {0.05, 0.005, 0};
+  EXPECT_NEAR(pressure_at(simulation, bottom), 1000 * 9.81 * 0.095, 0.1 * 1000 * 9.81 * 0.1);
+}
+
 TEST(Simulation, StillWaterStaysStill) {
   for (const int dimension : {2, 3}) {
     const Scene scene = test::still_tank(dimension, 10);

@@ -89,7 +89,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
   EXPECT_EQ(s.water[0].level, 0.25 + 0.02);
-  EXPECT_EQ(s.water[0].line, 39);
+  EXPECT_EQ(s.water[0].line, 40);
   EXPECT_EQ(s.water[0].kind, Water::Kind::box);
   EXPECT_EQ(s.water[1].kind, Water::Kind::table);
   const WaterTable& table = s.water[1].table;
@@ -329,6 +329,8 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
        "wall.belt.slip: a wall with a velocity of its surface drags the water: leave out one"},
       {"table = \"paddle.csv\"", "table = \"paddle.csv\"\nstart = 1",
        "wall.paddle.motion.start: belongs to a motion by velocity"},
+      {"wall_pressure = \"extrapolated\"", "wall_pressure = \"continuity\"",
+       "numerics.wall_pressure: continuity is for walls only, and the scene has solids (coupling.script)"},
       {"turbulence = \"smagorinsky\"", "turbulence = \"none\"",
        "numerics.smagorinsky: belongs to turbulence = \"smagorinsky\""},
       {"checkpoint_every = 0", "checkpoint_every = 1",
