@@ -225,6 +225,8 @@ std::string explain_report(const Scene& scene) {
   module(scene.coupled(), "bodies (LIGGGHTS)",
          fmt::format("points, loads, a message per partner rank and window of {} step{}",
                      scene.coupling.steps_per_window, scene.coupling.steps_per_window == 1 ? "" : "s"));
+  module(scene.coupled() && scene.coupling.loads == Loads::pressure, "loads by surface pressure",
+         "a pass over body points");
   module(scene.coupled() && scene.coupling.predictor && scene.coupling.steps_per_window > 1, "predictor of the bodies",
          "a message between ranks that share a body, each step");
   module(scene.output.fields, "fields (HDF5)", "at output times");

@@ -53,6 +53,8 @@ class Bodies {
   /// Speed of the fastest point of any body, at most [m/s].
   [[nodiscard]] double fastest() const;
 
+  /// Acceleration of the last window, as the extrapolation has it [m/s^2].
+  [[nodiscard]] const coupling::Vec3& acceleration(std::size_t body) const { return acceleration_[body]; }
   [[nodiscard]] std::int64_t tag(std::size_t body) const { return bodies_[body].tag; }
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] const std::vector<coupling::FluidBody>& all() const { return bodies_; }

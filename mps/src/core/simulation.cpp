@@ -286,7 +286,11 @@ void Simulation::evaluate_forces(double time) {
     reaction_.join();
   }
   const Timer timer(phases_, Phase::bodies);
-  if (bodies_) load_ = bodies_->partial_loads(particles_, reaction_.total());
+  if (surface_loads_) {
+    load_ = surface_loads_->partial_loads(particles_, *bodies_);
+  } else if (bodies_) {
+    load_ = bodies_->partial_loads(particles_, reaction_.total());
+  }
   guard_reaction_ = {};
   guard_.apply(particles_, neighbours_, bodies(), time, constants_.step, acceleration_, guard_reaction_, load_);
 }
@@ -393,6 +397,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   particles_.assign(initial.water);
   adopt_walls(initial.walls);
   if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
+  if (bodies_ && scene.coupling.loads == Loads::pressure) surface_loads_.emplace(constants_, *bodies_, walls_.count());
   decompose();
 }
 

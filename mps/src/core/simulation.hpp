@@ -17,6 +17,7 @@
 #include "core/neighbours.hpp"
 #include "core/operators.hpp"
 #include "core/phases.hpp"
+#include "core/surface_loads.hpp"
 #include "core/turbulence.hpp"
 #include "core/wall_density.hpp"
 #include "core/walls.hpp"
@@ -145,6 +146,7 @@ class Simulation {
   std::optional<Bodies> bodies_;
   std::optional<Corrections> corrections_;
   std::optional<Turbulence> turbulence_;
+  std::optional<SurfaceLoads> surface_loads_;
   int steps_per_window_ = 1;
 
   std::vector<Triple> acceleration_, point_acceleration_;

@@ -97,6 +97,8 @@ enum class TurbulenceModel { none, smagorinsky };
 /// Pressure of wall points: extrapolated from the water, or from a density that the continuity equation gives them.
 enum class WallPressure { extrapolated, continuity };
 enum class Scheme { serial, parallel };
+/// Loads on bodies: the exact reaction of the pair forces, or the sum of p A n over their surface.
+enum class Loads { reaction, pressure };
 enum class GaugeKind { level, pressure, front };
 
 /// Prescribed motion of a wall: constant velocity, of the wall or of its surface, between start and stop, or a table of
@@ -202,6 +204,7 @@ struct Coupling {
   std::map<std::string, std::string> variables;  ///< passed to the script as -var name value
   int steps_per_window = 1;
   Scheme scheme = Scheme::serial;
+  Loads loads = Loads::reaction;
   bool predictor = true;
 };
 

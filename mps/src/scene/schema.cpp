@@ -350,6 +350,12 @@ Schema make_schema() {
                 "`serial`: fluid and solids take turns; `parallel`: they work at the same time, one window apart",
             .choices = {"serial", "parallel"}},
            [](Coupling& x) -> Target { return &x.scheme; }},
+          {{.name = "loads",
+            .meaning =
+                "of the water on bodies: the exact `reaction`, or the sum of `pressure` times area and normal over "
+                "their surface, which does not conserve momentum",
+            .choices = {"reaction", "pressure"}},
+           [](Coupling& x) -> Target { return &x.loads; }},
           {{.name = "predictor", .meaning = "the fluid predicts the bodies' motion within a window"},
            [](Coupling& x) -> Target { return &x.predictor; }},
       },

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/filling.hpp"
+#include "core/surface_loads.hpp"
 #include "core/turbulence.hpp"
 #include "small_runs.hpp"
 #include "small_scenes.hpp"
@@ -340,6 +341,45 @@ TEST(Turbulence, KeepsMomentumAndTakesEnergy) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sums[c], 0, 1e-12 * sums[3]);
     EXPECT_LT(sums[4], 0);
   }
+}
+
+/// Load by surface pressure on a fixed body in still water whose level is 1 m above its centre.
+coupling::Load buoyancy(int dimension, const coupling::Shape& shape, const coupling::Quaternion& orientation) {
+  Scene scene = test::still_tank(dimension, 10);
+  scene.thickness = 0.3;
+  const Constants constants = constants_of(scene);
+  Bodies bodies(constants, {shape}, 1);
+  coupling::FluidBody body;
+  body.state.orientation = orientation;
+  bodies.assign({body});
+  std::vector<Traveller> points;
+  coupling::Box everywhere;
+  everywhere.lower = coupling::Vec3::Constant(-1);
+  everywhere.upper = coupling::Vec3::Constant(1);
+  bodies.collect_points(everywhere, points);
+  for (Traveller& point : points) point.record.p = 1000 * 9.81 * (1 - point.record.x[dimension - 1]);
+  Particles particles;
+  particles.append(points, {}, {});
+  return SurfaceLoads(constants, bodies, 1).partial_loads(particles, bodies).front();
+}
+
+TEST(SurfaceLoads, ObeyArchimedes) {
+  const coupling::Quaternion upright = coupling::Quaternion::Identity();
+  const coupling::Quaternion turned(Eigen::AngleAxisd(0.6, coupling::Vec3::UnitZ()));
+  const coupling::Quaternion tumbled(Eigen::AngleAxisd(0.9, coupling::Vec3(1, 2, 3).normalized()));
+  const coupling::Shape box{"box", coupling::ShapeKind::box, {0.1, 0.064, 0.05}, 500};
+  const coupling::Shape drum{"drum", coupling::ShapeKind::cylinder, {0.05, 0.08, 0}, 500};
+  const coupling::Shape ball{"ball", coupling::ShapeKind::sphere, {0.05, 0, 0}, 500};
+  const auto expect = [](const coupling::Load& load, const coupling::Vec3& force, double tolerance) {
+    EXPECT_NEAR((load.force - force).norm(), 0, tolerance * force.norm());
+    EXPECT_NEAR(load.torque.norm(), 0, tolerance * force.norm() * 0.05);
+  };
+  const double weight = 1000 * 9.81;
+  expect(buoyancy(2, box, upright), {0, weight * 0.1 * 0.064 * 0.3, 0}, 1e-10);
+  expect(buoyancy(2, box, turned), {0, weight * 0.1 * 0.064 * 0.3, 0}, 1e-10);
+  expect(buoyancy(3, box, tumbled), {0, 0, weight * 0.1 * 0.064 * 0.05}, 1e-10);
+  expect(buoyancy(3, drum, tumbled), {0, 0, weight * drum.mass_properties().volume}, 0.05);  // rings of chords
+  expect(buoyancy(3, ball, tumbled), {0, 0, weight * ball.mass_properties().volume}, 0.05);
 }
 
 TEST(Walls, AGateMovesAsPrescribed) {

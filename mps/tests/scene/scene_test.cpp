@@ -84,6 +84,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(n.diffusion, Diffusion::plain);
   EXPECT_EQ(n.turbulence, TurbulenceModel::smagorinsky);
   EXPECT_EQ(n.smagorinsky, 0.2);
+  EXPECT_EQ(s.coupling.loads, Loads::pressure);
   ASSERT_EQ(s.water.size(), 5U);
   EXPECT_EQ(s.water[0].name, "upstream");
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
