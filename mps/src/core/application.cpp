@@ -207,6 +207,7 @@ std::string explain_report(const Scene& scene) {
   module(true, fmt::format("weakly compressible MPS, {}-D", c.dimension),
          fmt::format("2 sweeps a step over {} neighbours ({} weight)", c.lattice.neighbours,
                      c.kernel == KernelKind::wendland ? "Wendland" : "rational"));
+  module(n.integrator == Integrator::predictor_corrector, "predictor and corrector", "all sweeps and messages twice");
   std::string directions;
   for (const std::string& axis : scene.periodic) directions += (directions.empty() ? " in " : ", ") + axis;
   module(!scene.periodic.empty(), "periodic directions" + directions, "ghosts of the images, also on one rank");

@@ -109,7 +109,7 @@ Constants constants_of(const Scene& scene) {
   c.crowding_factor =
       c.dimension / lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support).weight;
   if (scene.numerics.regularisation != Regularisation::none)
-  c.collision_distance = scene.numerics.collision_distance * c.particle_distance;
+    c.collision_distance = scene.numerics.collision_distance * c.particle_distance;
   if (scene.numerics.turbulence == TurbulenceModel::smagorinsky) c.smagorinsky = scene.numerics.smagorinsky;
   c.collision_restitution = scene.numerics.collision_restitution;
   return c;

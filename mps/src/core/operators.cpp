@@ -9,16 +9,15 @@ namespace embacle::mps {
 namespace {
 
 template <int D, KernelKind K>
-void density_rate(Particles& particles, const Neighbours& neighbours, const Constants& c) {
+void density_rate(Particles& particles, const Neighbours& neighbours, const Constants& c, double back) {
   const Kernel<K> kernel{1.0 / c.support};
   const Record* records = particles.record.data();
   const double inverse_c2 = 1.0 / (c.sound_speed * c.sound_speed);
   const Pack gx = splat(c.diffusion_gravity[0] * inverse_c2), gy = splat(c.diffusion_gravity[1] * inverse_c2),
              gz = splat(c.diffusion_gravity[2] * inverse_c2);
   const double diffusion = c.density_diffusion * c.laplacian_factor;
-  // Geometry of the middle of the step that led here: with that of its end, compression and expansion along the same
-  // way do not cancel, and water gains volume and energy in proportion to the step.
-  const double half = 0.5 * c.step;
+  // With `back`, geometry of the middle of the step that led here: with that of its end, compression and expansion
+  // along the same way do not cancel, and water gains volume and energy in proportion to the step.
   for_each(particles.water, [&](std::size_t i, int) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
@@ -26,8 +25,8 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
     const auto pair = [&]<bool Water>(const std::uint32_t* index) {
       const RecordPack other = load(records, index);
       const Pack ux = other.vx - me.v[0], uy = other.vy - me.v[1], uz = other.vz - me.v[2];
-      const Pack dx = other.x - me.x[0] - half * ux, dy = other.y - me.x[1] - half * uy,
-                 dz = other.z - me.x[2] - half * uz;
+      const Pack dx = other.x - me.x[0] - back * ux, dy = other.y - me.x[1] - back * uy,
+                 dz = other.z - me.x[2] - back * uz;
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
       const Pack f = kernel.gradient_weight(square_root(r2), max_zero);
       divergence += f * dot<D>(ux, uy, uz, dx, dy, dz);
@@ -133,11 +132,12 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
 
 }  // namespace
 
-void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants) {
-  dispatch(constants, [&]<int D, KernelKind K>() { density_rate<D, K>(particles, neighbours, constants); });
+void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants, double step,
+                     double back) {
+  dispatch(constants, [&]<int D, KernelKind K>() { density_rate<D, K>(particles, neighbours, constants, back); });
   for_each(particles.water, [&](std::size_t i, int) {
     Record& record = particles.record[i];
-    record.s += constants.step * record.p;
+    record.s += step * record.p;
     record.p = pressure_of(record.s, constants);
   });
 }

@@ -20,7 +20,14 @@ using Reactions = ThreadSums<Triple>;
 /// weights, and eq 5.30 with the hydrostatic part removed and a coefficient that does not depend on the time step
 /// (Fourtakas et al. 2019, doi:10.1016/j.compfluid.2019.06.009); with `diffusion = "plain"` it stays. Then p from the
 /// equation of state.
-void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants);
+/// `step` is by how long [s]; `back` is how long ago [s] the positions were those of the sum, by the present
+/// velocities.
+void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants, double step,
+                     double back);
+/// By a whole step that led to the present positions, with the geometry of its middle.
+inline void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants) {
+  advance_density(particles, neighbours, constants, constants.step, 0.5 * constants.step);
+}
 
 /// Pressure of the own solid points near water, extrapolated from it (Adami et al. 2012,
 /// doi:10.1016/j.jcp.2012.05.005):

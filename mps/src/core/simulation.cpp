@@ -9,13 +9,17 @@
 
 namespace embacle::mps {
 
-using Timer = Phases::Timer;
-
 // ---------------------------------------------------------------------------------------------------------------------
 // The time step. A leapfrog whose sweeps all use the same positions, so that one neighbour geometry serves a step:
 // positions, then density and pressure, then velocities (docs/numerics.md).
 
 void Simulation::step(double share_of_window) {
+  if (scene_.numerics.integrator == Integrator::predictor_corrector) {
+    predict_and_correct();
+    time_ += constants_.step;
+    ++counters_.steps;
+    return;
+  }
   move(constants_.step);
   if (lists_valid_) {
     const Timer timer(phases_, Phase::halo);
@@ -96,6 +100,14 @@ void Simulation::move(double step) {
     Record& record = particles_.record[i];
     for (int c = 0; c < 3; ++c) record.x[c] += step * record.v[c];
   });
+  move_walls(step);
+  if (bodies_) {
+    bodies_->drift(step);
+    bodies_->place_points(particles_);
+  }
+}
+
+void Simulation::move_walls(double step) {
   if (walls_.any_moves()) {
     std::vector<Vec3d> velocity(walls_.count());
     for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time_, step);
@@ -108,10 +120,6 @@ void Simulation::move(double step) {
         record.x[c] += step * record.v[c];
       }
     }
-  }
-  if (bodies_) {
-    bodies_->drift(step);
-    bodies_->place_points(particles_);
   }
 }
 
@@ -527,10 +535,11 @@ void Simulation::check_window() {
 }
 
 std::size_t Simulation::bytes() const {
-  return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + neighbours_.bytes() +
-         wall_points_.capacity() * sizeof(WallPoint) + acceleration_.capacity() * sizeof(Triple) + reaction_.bytes() +
-         displacements_.bytes() + (bodies_ ? bodies_->bytes() : 0) + (corrections_ ? corrections_->bytes() : 0) +
-         (turbulence_ ? turbulence_->bytes() : 0) + (wall_density_ ? wall_density_->bytes() : 0);
+  return particles_.record.capacity() * (sizeof(Record) + sizeof(Identity)) + start_.capacity() * sizeof(Record) +
+         neighbours_.bytes() + wall_points_.capacity() * sizeof(WallPoint) + acceleration_.capacity() * sizeof(Triple) +
+         reaction_.bytes() + displacements_.bytes() + (bodies_ ? bodies_->bytes() : 0) +
+         (corrections_ ? corrections_->bytes() : 0) + (turbulence_ ? turbulence_->bytes() : 0) +
+         (wall_density_ ? wall_density_->bytes() : 0);
 }
 
 }  // namespace embacle::mps

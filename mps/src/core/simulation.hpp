@@ -98,6 +98,7 @@ class Simulation {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  using Timer = Phases::Timer;
   /// A wall point as it is kept: most are dry.
   struct WallPoint {
     double at_zero[3];  ///< position at time zero [m]
@@ -106,7 +107,9 @@ class Simulation {
 
   void step(double share_of_window);
   [[nodiscard]] int steps_of_window();
+  void predict_and_correct();
   void move(double step);
+  void move_walls(double step);
   void synchronise();                 ///< agrees on stale lists, on failures and on requests
   void find_neighbours(double time);  ///< `time` is that of the positions
   void evaluate_forces(double time);  ///< `time` is that of the positions
@@ -149,6 +152,7 @@ class Simulation {
   std::optional<SurfaceLoads> surface_loads_;
   int steps_per_window_ = 1;
 
+  std::vector<Record> start_;  ///< own particles at the start of a step of predict_and_correct()
   std::vector<Triple> acceleration_, point_acceleration_;
   Reactions reaction_;
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body

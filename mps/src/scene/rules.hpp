@@ -123,6 +123,7 @@ class Rules {
       context_.report({"numerics.wall_pressure", "coupling.script"},
                       "continuity is for walls only, and the scene has solids (coupling.script), whose points keep no "
                       "density; allowed: extrapolated");
+    if (n.integrator == Integrator::predictor_corrector) check_predictor_corrector();
     if (!domain_sound_ || !context_.sound("numerics.particle_distance")) return;
     for (int axis = 0; axis < scene_.dimension; ++axis) {
       const double extent = scene_.domain.upper[axis] - scene_.domain.lower[axis];
@@ -132,6 +133,19 @@ class Rules {
                           ", " + number_text(extent) + " m");
       return;
     }
+  }
+
+  void check_predictor_corrector() {
+    const Numerics& n = scene_.numerics;
+    const auto refuse = [this](bool wrong, const std::string& other, const std::string& why) {
+      if (wrong) context_.report({"numerics.integrator", other}, "predictor_corrector " + why);
+    };
+    refuse(scene_.coupled(), "coupling.script", "is for scenes without solids (coupling.script); allowed: leapfrog");
+    refuse(n.regularisation == Regularisation::shifting, "numerics.regularisation",
+           "does not go with shifting; allowed: leapfrog");
+    refuse(n.wall_pressure == WallPressure::continuity, "numerics.wall_pressure",
+           "does not go with wall_pressure = \"continuity\"; allowed: leapfrog");
+    refuse(n.skin < 0.1, "numerics.skin", "needs a skin of at least 0.1");
   }
 
   /// Lengths of 1e-6 particle distances are rounding.

@@ -92,6 +92,7 @@ enum class Regularisation { collision, shifting, none };
 [[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
 /// What the density diffusion acts on: the density less its hydrostatic part, or all of it.
 enum class Diffusion { dynamic, plain };
+enum class Integrator { leapfrog, predictor_corrector };
 /// Model of the turbulence below the size of the particles.
 enum class TurbulenceModel { none, smagorinsky };
 /// Pressure of wall points: extrapolated from the water, or from a density that the continuity equation gives them.
@@ -183,6 +184,7 @@ struct Numerics {
   double support = 0;          ///< r_e / l0; 0: the kernel's default
   double cfl = 0.5;            ///< of c0 + reference speed
   bool adaptive_step = false;  ///< shorter steps while something moves faster than expected
+  Integrator integrator = Integrator::leapfrog;
   double sound_speed = 0;      ///< c0 [m/s]; 0: ten times the reference speed
   double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;

@@ -139,6 +139,11 @@ Schema make_schema() {
                       .meaning = "whether the time step becomes shorter while water or bodies are faster than the "
                                  "reference speed, or a blow accelerates the water; see docs/numerics.md"},
                      [](Numerics& x) -> Target { return &x.adaptive_step; }},
+                    {{.name = "integrator",
+                      .meaning = "`leapfrog`, or `predictor_corrector`: every sweep twice a step; without solids, and "
+                                 "without `shifting` and `continuity`; needs a `skin` of at least 0.1",
+                      .choices = {"leapfrog", "predictor_corrector"}},
+                     [](Numerics& x) -> Target { return &x.integrator; }},
                     {{.name = "sound_speed",
                       .meaning = "numerical speed of sound; 0: ten times the reference speed",
                       .quantity = Q::speed,

@@ -24,8 +24,8 @@ using Polygon = std::vector<Vec3d>;
 using Target =
     std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
                  std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*, KernelKind*,
-                 Regularisation*, Diffusion*, TurbulenceModel*, WallPressure*, Scheme*, Loads*, GaugeKind*, Wall::Kind*,
-                 Water::Kind*, WaterTable*, std::optional<Vec3d>*, Axis*, Polygon*, SurfacePointer*>;
+                 Regularisation*, Diffusion*, Integrator*, TurbulenceModel*, WallPressure*, Scheme*, Loads*, GaugeKind*,
+                 Wall::Kind*, Water::Kind*, WaterTable*, std::optional<Vec3d>*, Axis*, Polygon*, SurfacePointer*>;
 
 /// Index of the word that an enumeration stands for; nothing for other values.
 [[nodiscard]] inline std::optional<std::size_t> choice_of(const Target& target) {

@@ -178,6 +178,22 @@ TEST(Restart, DensitiesOfWallsContinueBitForBit) {
   }
 }
 
+TEST(Restart, PredictorAndCorrectorContinueBitForBit) {
+  const Folder folder;
+  Scene scene = lively_scene(3);
+  scene.numerics.integrator = Integrator::predictor_corrector;
+  Simulation whole(scene, MPI_COMM_WORLD, nullptr);
+  run_until(whole, 93);
+  write(whole, folder.file());
+  const CheckpointReader checkpoint(folder.file());
+  Simulation continued(scene, MPI_COMM_WORLD, nullptr, &checkpoint);
+  for (const int step : {94, 200}) {
+    run_until(whole, step);
+    run_until(continued, step);
+    EXPECT_TRUE(same_bits(whole, continued)) << "step " << step;
+  }
+}
+
 /// Writes on `from`, continues by one step on `from` and on `to`, which must hold the same water. A rank that is in
 /// neither looks on.
 void compare_after_a_step(const Scene& scene, MPI_Comm from, MPI_Comm to) {

@@ -90,7 +90,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
   EXPECT_EQ(s.water[0].level, 0.25 + 0.02);
-  EXPECT_EQ(s.water[0].line, 40);
+  EXPECT_EQ(s.water[0].line, 41);
   EXPECT_EQ(s.water[0].kind, Water::Kind::box);
   EXPECT_EQ(s.water[1].kind, Water::Kind::table);
   const WaterTable& table = s.water[1].table;
@@ -332,6 +332,10 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
        "wall.paddle.motion.start: belongs to a motion by velocity"},
       {"wall_pressure = \"extrapolated\"", "wall_pressure = \"continuity\"",
        "numerics.wall_pressure: continuity is for walls only, and the scene has solids (coupling.script)"},
+      {"integrator = \"leapfrog\"", "integrator = \"predictor_corrector\"",
+       "numerics.integrator: predictor_corrector does not go with shifting"},
+      {"integrator = \"leapfrog\"", "integrator = \"predictor_corrector\"",
+       "numerics.integrator: predictor_corrector is for scenes without solids (coupling.script)"},
       {"turbulence = \"smagorinsky\"", "turbulence = \"none\"",
        "numerics.smagorinsky: belongs to turbulence = \"smagorinsky\""},
       {"checkpoint_every = 0", "checkpoint_every = 1",
@@ -362,7 +366,7 @@ TEST_F(SceneFile, OverridesAreBlamedForTheirMistakes) {
       {"flud.density=3", "--set flud.density=3: flud: unknown section; did you mean 'fluid'?"},
       {"parameters.depth=3 kg", "--set parameters.depth=3 kg (scene.toml:7): parameters.freeboard: "},
       {"parameters.depth=5",
-       "--set parameters.depth=5 (scene.toml:40): water.upstream.upper: [0.5, 0.5, 5] m is outside"},
+       "--set parameters.depth=5 (scene.toml:45): water.upstream.upper: [0.5, 0.5, 5] m is outside"},
       {"domain.upper=[0.1,0.1,0.1]", "--set domain.upper=[0.1,0.1,0.1]: water.upstream.upper: "},
   };
   for (const auto& [text, expected] : mistakes) EXPECT_HAS(error(full_, {text}), expected);
