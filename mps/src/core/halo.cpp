@@ -162,17 +162,20 @@ void Halo::assemble(const Particles& particles) {
   }
 }
 
-void Halo::update_motion(Particles& particles) { update({particles.record.front().x, 8, 6, true, true, true}); }
-void Halo::update_water_state(Particles& particles) { update({&particles.record.front().p, 8, 2, true, false, false}); }
-void Halo::update_solid_pressure(Particles& particles) {
-  update({&particles.record.front().p, 8, 1, false, true, false});
+void Halo::update_motion(Particles& particles) {
+  start({particles.record.front().x, 8, 6, true, true, true});
+  finish();
+}
+void Halo::start_water_state(Particles& particles) { start({&particles.record.front().p, 8, 2, true, false, false}); }
+void Halo::start_solid_pressure(Particles& particles) {
+  start({&particles.record.front().p, 8, 1, false, true, false});
 }
 
-void Halo::update(const Columns& columns) {
+void Halo::start(const Columns& columns) {
+  columns_ = columns;
   const int width = columns.width;
   const bool water = columns.water, solid = columns.solid;
-  std::vector<MPI_Request> requests;
-  requests.reserve(2 * links_.size());
+  requests_.clear();
   const std::size_t bytes = width * sizeof(double);
   const auto field = [&columns](std::size_t i) { return columns.first + i * columns.stride; };
   for (Link& link : links_) {
@@ -180,7 +183,7 @@ void Halo::update(const Columns& columns) {
     link.receive_buffer.resize(incoming * width);
     if (incoming > 0) {
       MPI_Irecv(link.receive_buffer.data(), static_cast<int>(incoming * width), MPI_DOUBLE, link.partner.rank,
-                update_tag + received(link.partner), comm_, &requests.emplace_back());
+                update_tag + received(link.partner), comm_, &requests_.emplace_back());
     }
   }
   for (Link& link : links_) {
@@ -200,19 +203,24 @@ void Halo::update(const Columns& columns) {
     if (solid) pack(link.send_solid);
     if (outgoing > 0) {
       MPI_Isend(link.send_buffer.data(), static_cast<int>(outgoing * width), MPI_DOUBLE, link.partner.rank,
-                update_tag + sent(link.partner), comm_, &requests.emplace_back());
+                update_tag + sent(link.partner), comm_, &requests_.emplace_back());
       ++messages_sent_;
       bytes_sent_ += static_cast<std::int64_t>(outgoing * bytes);
     }
   }
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+}
+
+void Halo::finish() {
+  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  const std::size_t width = columns_.width;
   for (const Link& link : links_) {
     const double* in = link.receive_buffer.data();
     const auto unpack = [&](std::size_t begin, std::size_t count) {
-      for (std::size_t i = begin; i < begin + count; ++i, in += width) std::memcpy(field(i), in, bytes);
+      for (std::size_t i = begin; i < begin + count; ++i, in += width)
+        std::memcpy(columns_.first + i * columns_.stride, in, width * sizeof(double));
     };
-    if (water) unpack(link.receive_water_begin, link.receive_water);
-    if (solid) unpack(link.receive_solid_begin, link.receive_solid);
+    if (columns_.water) unpack(link.receive_water_begin, link.receive_water);
+    if (columns_.solid) unpack(link.receive_solid_begin, link.receive_solid);
   }
 }
 

@@ -31,15 +31,18 @@ class Halo {
 
   /// Positions and velocities of all ghosts.
   void update_motion(Particles& particles);
-  /// Pressure and n/n0 of the water's ghosts / of the solid points' ghosts.
-  void update_water_state(Particles& particles);
-  void update_solid_pressure(Particles& particles);
+  /// Pressure and n/n0 of the water's ghosts / of the solid points' ghosts: sent, to arrive by finish(). One update at
+  /// a time; what it sends may change in between, what it receives must not be read.
+  void start_water_state(Particles& particles);
+  void start_solid_pressure(Particles& particles);
+  void finish();
 
   /// Rows of doubles that someone keeps for all particles: those of the water's ghosts.
   template <class Row>
   void update_water_rows(std::vector<Row>& rows) {
     constexpr int width = sizeof(Row) / sizeof(double);
-    update({reinterpret_cast<double*>(rows.data()), width, width, true, false, false});
+    start({reinterpret_cast<double*>(rows.data()), width, width, true, false, false});
+    finish();
   }
 
   [[nodiscard]] std::int64_t bytes_sent() const { return bytes_sent_; }
@@ -65,11 +68,13 @@ class Halo {
     bool water, solid;
     bool positions;  ///< the first three are a position
   };
-  void update(const Columns& columns);
+  void start(const Columns& columns);
 
   MPI_Comm comm_;
   std::vector<Nearby> partners_;
   std::vector<Link> links_;
+  Columns columns_{};  ///< of the update on its way
+  std::vector<MPI_Request> requests_;
   std::int64_t bytes_sent_ = 0;
   std::int64_t messages_sent_ = 0;
 };

@@ -295,6 +295,24 @@ void Neighbours::build(const Particles& particles, const Walls& walls, const std
     list_wet_points(particles, walls, thin, thread, wet[thread]);
   });
   join_wet_points(wet);
+  divide(particles);
+}
+
+/// Tells what needs ghosts from what does not, for work while an exchange is on its way.
+void Neighbours::divide(const Particles& particles) {
+  ghosts_ = particles.ghost_water + particles.ghost_solid > 0;
+  for (Parts* parts : {&water_parts_, &wet_parts_}) {
+    parts->inner.clear();
+    parts->rim.clear();
+  }
+  if (!ghosts_) return;
+  const auto first = static_cast<std::uint32_t>(particles.own()), end = particles.sentinel();
+  const auto add = [&](Parts& parts, std::uint32_t k, const NeighbourRange& range) {
+    const bool rim = std::any_of(range.begin, range.end, [&](std::uint32_t j) { return j >= first && j < end; });
+    (rim ? parts.rim : parts.inner).push_back(k);
+  };
+  for (std::uint32_t i = 0; i < particles.water; ++i) add(water_parts_, i, of_water(i));
+  for (std::uint32_t k = 0; k < wet_points_.size(); ++k) add(wet_parts_, k, of_wet_point(k));
 }
 
 namespace {
@@ -438,6 +456,7 @@ std::size_t Neighbours::pairs() const {
 std::size_t Neighbours::bytes() const {
   std::size_t listed = wet_index_.capacity();
   for (const auto& part : index_) listed += part.capacity();
+  for (const Parts* parts : {&water_parts_, &wet_parts_}) listed += parts->inner.capacity() + parts->rim.capacity();
   return sizeof(std::uint32_t) * (listed + wet_points_.capacity() + begin_.capacity() + wet_begin_.capacity()) +
          thread_.capacity() + sizeof(std::uint16_t) * (water_count_.capacity() + count_.capacity());
 }

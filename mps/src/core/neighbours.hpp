@@ -17,6 +17,21 @@ struct NeighbourRange {
   const std::uint32_t* end;
 };
 
+/// Some of the own water, or of the wet points: those whose lists hold no ghost of another rank, and the others.
+class Subset {
+ public:
+  /// The first `n`, all of them.
+  explicit Subset(std::size_t n) : size_(n) {}
+  explicit Subset(const std::vector<std::uint32_t>& members) : members_(members.data()), size_(members.size()) {}
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t operator[](std::size_t k) const { return members_ != nullptr ? members_[k] : k; }
+
+ private:
+  const std::uint32_t* members_ = nullptr;
+  std::size_t size_;
+};
+enum class Part { all, inner, rim };
+
 class Neighbours {
  public:
   /// `radius` [m]: support plus skin.
@@ -44,6 +59,9 @@ class Neighbours {
     const std::uint32_t* end = base + lanes * std::size_t{wet_begin_[k + 1]};
     return {base + lanes * std::size_t{wet_begin_[k]}, end, end};
   }
+  /// Of the own water, or of the wet points by their number: all, those with no ghost in their lists, the others.
+  [[nodiscard]] Subset water(Part part) const { return subset(part, begin_.size(), water_parts_); }
+  [[nodiscard]] Subset wet(Part part) const { return subset(part, wet_points_.size(), wet_parts_); }
   /// Directed pairs in all lists, padding included.
   [[nodiscard]] std::size_t pairs() const;
   [[nodiscard]] std::size_t bytes() const;
@@ -98,6 +116,15 @@ class Neighbours {
   void list_wet_points(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin, int thread,
                        WetLists& lists) const;
   void join_wet_points(std::vector<WetLists>& parts);
+  struct Parts {
+    std::vector<std::uint32_t> inner, rim;
+  };
+  /// Without ghosts there is no rim, and nothing is stored.
+  [[nodiscard]] Subset subset(Part part, std::size_t n, const Parts& parts) const {
+    if (part == Part::all || (!ghosts_ && part == Part::inner)) return Subset(n);
+    return Subset(part == Part::inner ? parts.inner : parts.rim);
+  }
+  void divide(const Particles& particles);
 
   /// Cells within the radius along x, y, z. Long rows, contiguous in memory along x, cost least: 9 of them around a
   /// cell.
@@ -118,6 +145,8 @@ class Neighbours {
   std::vector<std::uint32_t> begin_, wet_begin_;    ///< first pack of each list
   std::vector<std::uint16_t> water_count_, count_;  ///< with padding, of the list of each own water particle
   std::vector<std::uint32_t> wet_points_;
+  bool ghosts_ = false;
+  Parts water_parts_, wet_parts_;
 };
 
 }  // namespace embacle::mps

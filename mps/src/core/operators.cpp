@@ -45,11 +45,13 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
 
 template <int D, KernelKind K>
 void extrapolate(Particles& particles, const Neighbours& neighbours, const Constants& c,
-                 const std::vector<Triple>& acceleration) {
+                 const std::vector<Triple>& acceleration, Part part) {
   const Kernel<K> kernel{1.0 / c.support};
   Record* records = particles.record.data();
   const auto& wet = neighbours.wet_points();
-  for_each(wet.size(), [&](std::size_t k, int) {
+  const Subset chosen = neighbours.wet(part);
+  for_each(chosen.size(), [&](std::size_t n, int) {
+    const std::size_t k = chosen[n];
     Record& me = records[wet[k]];
     double g[3] = {c.static_gravity[0], c.static_gravity[1], c.static_gravity[2]};
     if (!acceleration.empty()) {
@@ -58,8 +60,8 @@ void extrapolate(Particles& particles, const Neighbours& neighbours, const Const
     for (double& component : g) component *= c.density;
     const NeighbourRange range = neighbours.of_wet_point(k);
     Pack weights = splat(0), sum = splat(0);
-    for (const std::uint32_t* n = range.begin; n < range.end; n += lanes) {
-      const RecordPack other = load(records, n);
+    for (const std::uint32_t* j = range.begin; j < range.end; j += lanes) {
+      const RecordPack other = load(records, j);
       const Pack dx = me.x[0] - other.x, dy = me.x[1] - other.y, dz = me.x[2] - other.z;
       const Pack f = kernel.gradient_weight(square_root(dot<D>(dx, dy, dz, dx, dy, dz)), max_zero);
       weights += f;
@@ -72,7 +74,7 @@ void extrapolate(Particles& particles, const Neighbours& neighbours, const Const
 
 template <int D, KernelKind K, bool Viscous>
 void forces(const Particles& particles, const Neighbours& neighbours, const Constants& c,
-            std::vector<Triple>& acceleration, Reactions& reaction) {
+            std::vector<Triple>& acceleration, Reactions& reaction, Part part) {
   const Kernel<K> kernel{1.0 / c.support};
   const Record* records = particles.record.data();
   const double pressure_factor = -c.gradient_factor / c.density;
@@ -85,9 +87,13 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
   const double water_impulse = 0.5 * (1.0 + c.collision_restitution) / c.step;
   const double solid_impulse = (1.0 + c.collision_restitution) / c.step;
 
-  resize(acceleration, particles.water);
-  reaction.reset(reaction_slots(particles));
-  for_each(particles.water, [&](std::size_t i, int thread) {
+  if (part != Part::rim) {
+    resize(acceleration, particles.water);
+    reaction.reset(reaction_slots(particles));
+  }
+  const Subset chosen = neighbours.water(part);
+  for_each(chosen.size(), [&](std::size_t number, int thread) {
+    const std::size_t i = chosen[number];
     Triple* const on_points = reaction.of_thread(thread);
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
@@ -143,18 +149,18 @@ void advance_density(Particles& particles, const Neighbours& neighbours, const C
 }
 
 void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                          const std::vector<Triple>& acceleration) {
+                          const std::vector<Triple>& acceleration, Part part) {
   dispatch(constants,
-           [&]<int D, KernelKind K>() { extrapolate<D, K>(particles, neighbours, constants, acceleration); });
+           [&]<int D, KernelKind K>() { extrapolate<D, K>(particles, neighbours, constants, acceleration, part); });
 }
 
 void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                std::vector<Triple>& acceleration, Reactions& reaction) {
+                std::vector<Triple>& acceleration, Reactions& reaction, Part part) {
   dispatch(constants, [&]<int D, KernelKind K>() {
     if (constants.viscosity > 0) {
-      forces<D, K, true>(particles, neighbours, constants, acceleration, reaction);
+      forces<D, K, true>(particles, neighbours, constants, acceleration, reaction, part);
     } else {
-      forces<D, K, false>(particles, neighbours, constants, acceleration, reaction);
+      forces<D, K, false>(particles, neighbours, constants, acceleration, reaction, part);
     }
   });
 }

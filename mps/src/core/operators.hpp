@@ -33,8 +33,9 @@ inline void advance_density(Particles& particles, const Neighbours& neighbours, 
 /// doi:10.1016/j.jcp.2012.05.005):
 ///   p_b = max(0, SUM F [p_f + rho0 (g - a_b).(r_b - r_f)] / SUM F).
 /// `acceleration`: of each wet point, in the order of neighbours.wet_points() (empty: all at rest or steady) [m/s^2].
+/// `part`: of the wet points.
 void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                          const std::vector<Triple>& acceleration);
+                          const std::vector<Triple>& acceleration, Part part = Part::all);
 
 /// Acceleration [m/s^2] of the own water by pressure, viscosity, artificial viscosity, collisions and gravity:
 ///   a_i = g - (d/(rho0 n0)) SUM (p_i + p_j) r_ij F + (d/n0) alpha c0 l0 SUM ((v_j - v_i).r_ij/r^2) r_ij F
@@ -47,8 +48,9 @@ void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, co
 /// (1 + epsilon)/2 (v_ij.e) e (thesis eq 5.38 with its sign corrected), on all water pairs; with a solid point the
 /// water takes (1 + epsilon) (v_ij.e) e when it is within half a particle distance, i.e. at the surface.
 /// `reaction`: exact opposite of the force [N] on each solid point; slots as given by reaction_slot(); to be joined.
+/// `part`: of the water; all of it, or first the inner part and then the rim.
 void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
-                std::vector<Triple>& acceleration, Reactions& reaction);
+                std::vector<Triple>& acceleration, Reactions& reaction, Part part = Part::all);
 
 /// Slot of a solid point (own or ghost) or of the sentinel in the reaction array.
 [[nodiscard]] inline std::size_t reaction_slot(const Particles& particles, std::size_t j) {

@@ -35,10 +35,10 @@ void Simulation::predict_and_correct() {
   move(half);
   {
     const Timer timer(phases_, Phase::integration);
-    for (std::size_t i = 0; i < particles_.water; ++i) {
+    for_each(particles_.water, [&](std::size_t i, int) {
       for (int c = 0; c < 3; ++c) particles_.record[i].v[c] += half * acceleration_[i][c];
       start_[i].s -= particles_.record[i].s;  // what the whole step adds goes on top of the half one
-    }
+    });
   }
   {
     const Timer timer(phases_, Phase::halo);
@@ -52,7 +52,7 @@ void Simulation::predict_and_correct() {
   }
   {
     const Timer timer(phases_, Phase::integration);
-    for (std::size_t i = 0; i < particles_.water; ++i) {
+    for_each(particles_.water, [&](std::size_t i, int) {
       Record& record = particles_.record[i];
       const Record& start = start_[i];
       record.s += start.s;
@@ -61,7 +61,7 @@ void Simulation::predict_and_correct() {
         record.v[c] = start.v[c];
         record.x[c] = start.x[c] + whole * (start.v[c] + half * acceleration_[i][c]);
       }
-    }
+    });
     std::copy(start_.begin() + static_cast<std::ptrdiff_t>(particles_.water), start_.end(),
               particles_.record.begin() + static_cast<std::ptrdiff_t>(particles_.water));
   }

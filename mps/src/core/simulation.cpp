@@ -264,35 +264,42 @@ std::vector<Traveller> Simulation::wall_points_near_water(double time) {
   return result;
 }
 
+/// What needs no ghosts is done while the exchanges are on their way.
 void Simulation::evaluate_forces(double time) {
-  {
-    const Timer timer(phases_, Phase::halo);
-    halo_.update_water_state(particles_);
-  }
-  {
+  const auto timed = [&](Phase phase, const auto& work) {
+    const Timer timer(phases_, phase);
+    work();
+  };
+  const auto extrapolate = [&](Part part) {
     const Timer timer(phases_, Phase::walls);
-    if (bodies_) bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
-    if (wall_density_) {
-      wall_density_->advance(particles_, neighbours_);
-    } else {
-      extrapolate_pressure(particles_, neighbours_, constants_, point_acceleration_);
-    }
-  }
-  {
-    const Timer timer(phases_, Phase::halo);
-    halo_.update_solid_pressure(particles_);
-  }
-  {
+    extrapolate_pressure(particles_, neighbours_, constants_, point_acceleration_, part);
+  };
+  const auto press = [&](Part part) {
     const Timer timer(phases_, Phase::forces);
-    if (corrections_) {
-      corrections_->accelerate(particles_, neighbours_, acceleration_, reaction_);
-    } else {
-      accelerate(particles_, neighbours_, constants_, acceleration_, reaction_);
-    }
+    accelerate(particles_, neighbours_, constants_, acceleration_, reaction_, part);
+  };
+  if (bodies_) bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
+  timed(Phase::halo, [&] { halo_.start_water_state(particles_); });
+  if (!wall_density_) extrapolate(Part::inner);
+  timed(Phase::halo, [&] { halo_.finish(); });
+  if (wall_density_) {
+    timed(Phase::walls, [&] { wall_density_->advance(particles_, neighbours_); });
+  } else {
+    extrapolate(Part::rim);
+  }
+  timed(Phase::halo, [&] { halo_.start_solid_pressure(particles_); });
+  if (!corrections_) press(Part::inner);
+  timed(Phase::halo, [&] { halo_.finish(); });
+  if (corrections_) {
+    timed(Phase::forces, [&] { corrections_->accelerate(particles_, neighbours_, acceleration_, reaction_); });
+  } else {
+    press(Part::rim);
+  }
+  timed(Phase::forces, [&] {
     if (turbulence_) turbulence_->apply(particles_, neighbours_, halo_, acceleration_);
     friction_.apply(particles_, neighbours_, time, acceleration_, reaction_);
     reaction_.join();
-  }
+  });
   const Timer timer(phases_, Phase::bodies);
   if (surface_loads_) {
     load_ = surface_loads_->partial_loads(particles_, *bodies_);
@@ -305,13 +312,13 @@ void Simulation::evaluate_forces(double time) {
 
 void Simulation::integrate_velocities() {
   const Timer timer(phases_, Phase::integration);
-  struct alignas(64) Part {
+  struct alignas(64) Found {
     double speed_square = 0, acceleration_square = 0, compression = 0, pressure = 0;
     std::string failure;
   };
-  std::vector<Part> parts(threads());
+  std::vector<Found> parts(threads());
   for_each(particles_.water, [&](std::size_t i, int thread) {
-    Part& part = parts[thread];
+    Found& part = parts[thread];
     Record& record = particles_.record[i];
     double square = 0, acceleration_square = 0;
     for (int c = 0; c < 3; ++c) {
@@ -361,7 +368,7 @@ void Simulation::integrate_velocities() {
     }
   }
   own_motions_ = {0, bodies_ ? bodies_->fastest() : 0, 0};
-  for (const Part& part : parts) {
+  for (const Found& part : parts) {
     own_motions_.water = std::max(own_motions_.water, std::sqrt(part.speed_square));
     own_motions_.acceleration = std::max(own_motions_.acceleration, std::sqrt(part.acceleration_square));
     extremes_.compression = std::max(extremes_.compression, part.compression);

@@ -31,7 +31,7 @@ void Turbulence::measure(const Particles& particles, const Neighbours& neighbour
   const Record* records = particles.record.data();
   const double length = constants_.smagorinsky * constants_.particle_distance;
   constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};  // as in Symmetric
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack arms[6], flux[3][3];  // SUM F r r, SUM F (v_j - v_i) r
@@ -70,7 +70,7 @@ void Turbulence::measure(const Particles& particles, const Neighbours& neighbour
       for (int b = 0; b < D; ++b) square += 0.5 * std::pow(gradient[a][b] + gradient[b][a], 2);
     }
     viscosity_[i] = length * length * std::sqrt(square);
-  }
+  });
 }
 
 template <int D, KernelKind K>
@@ -79,7 +79,7 @@ void Turbulence::add(const Particles& particles, const Neighbours& neighbours,
   const Kernel<K> kernel{1.0 / constants_.support};
   const Record* records = particles.record.data();
   const double half = 0.5 * constants_.laplacian_factor;
-  for (std::size_t i = 0; i < particles.water; ++i) {
+  for_each(particles.water, [&](std::size_t i, int) {
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack ax = splat(0), ay = splat(0), az = splat(0);
@@ -96,7 +96,7 @@ void Turbulence::add(const Particles& particles, const Neighbours& neighbours,
     acceleration[i][0] += horizontal_sum(ax);
     acceleration[i][1] += horizontal_sum(ay);
     acceleration[i][2] += horizontal_sum(az);
-  }
+  });
 }
 
 }  // namespace embacle::mps

@@ -49,7 +49,7 @@ void WallDensity::rates(Particles& particles, const Neighbours& neighbours) cons
   Record* records = particles.record.data();
   const double half = 0.5 * constants_.step;
   const auto& wet = neighbours.wet_points();
-  for (std::size_t k = 0; k < wet.size(); ++k) {
+  for_each(wet.size(), [&](std::size_t k, int) {
     Record& me = records[wet[k]];
     const NeighbourRange range = neighbours.of_wet_point(k);
     Pack divergence = splat(0), weights = splat(0);
@@ -65,7 +65,7 @@ void WallDensity::rates(Particles& particles, const Neighbours& neighbours) cons
     const double rate = -constants_.gradient_factor * horizontal_sum(divergence);
     me.s = horizontal_sum(weights) > 0 ? std::max(1.0, me.s + constants_.step * rate) : 1.0;
     me.p = pressure_of(me.s, constants_);
-  }
+  });
 }
 
 }  // namespace embacle::mps
