@@ -207,7 +207,7 @@ std::string explain_report(const Scene& scene) {
   module(true, fmt::format("weakly compressible MPS, {}-D", c.dimension),
          fmt::format("2 sweeps a step over {} neighbours ({} weight)", c.lattice.neighbours,
                      c.kernel == KernelKind::wendland ? "Wendland" : "rational"));
-  module(n.integrator == Integrator::predictor_corrector, "predictor and corrector", "all sweeps and messages twice");
+  module(n.integrator == Integrator::symplectic, "symplectic integrator", "all sweeps and messages twice");
   std::string directions;
   for (const std::string& axis : scene.periodic) directions += (directions.empty() ? " in " : ", ") + axis;
   module(!scene.periodic.empty(), "periodic directions" + directions, "ghosts of the images, also on one rank");
@@ -219,7 +219,9 @@ std::string explain_report(const Scene& scene) {
   module(c.smagorinsky > 0, "turbulence (Smagorinsky)", "two sweeps over pairs of water, a message a step");
   module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
   module(solids,
-         n.wall_pressure == WallPressure::continuity ? "walls: pressure by continuity" : "walls: extrapolated pressure",
+         n.wall_pressure == WallPressure::continuity      ? "walls: pressure by continuity"
+         : n.wall_pressure == WallPressure::zero_gradient ? "walls: mean pressure of the water"
+                                                          : "walls: extrapolated pressure",
          "a sweep over wet wall points");
   module(moving, "moving walls", "a pass over wall points");
   module(thin, "thin walls seen from one side", "checks near them when lists are built");

@@ -42,6 +42,7 @@ struct Constants {
   bool wall_friction = false;       ///< the viscous term of solids is that of Friction, not of accelerate()
   double artificial_viscosity = 0;  ///< alpha c0 l0 [m^2/s]
   double density_diffusion = 0;     ///< delta' c0 l0 [m^2/s]
+  bool plain_operators = false;     ///< with shifting: neither corrected to first order nor carried along (ALE)
   double shifting = 0;              ///< strength of particle shifting, 1 as published
   double crowding_factor = 0;       ///< d/n0 of the rational weight, by which particles are shifted
   double collision_distance = 0;    ///< [m]

@@ -85,7 +85,9 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
                          horizontal_sum(xy), horizontal_sum(yz), horizontal_sum(zx)};
     for (int k = 0; k < 6; ++k) mine.b[k] = constants_.gradient_factor * m[k];
     // A free surface would make the water there more viscous.
-    mine.laplacian = std::max(horizontal_sum(laplacian), 0.8 * constants_.lattice.weight_square);
+    mine.laplacian = constants_.plain_operators
+                         ? constants_.lattice.weight_square
+                         : std::max(horizontal_sum(laplacian), 0.8 * constants_.lattice.weight_square);
     concentration_[i] = horizontal_sum(weight) / constants_.lattice.weight;
     const double gradient[3] = {horizontal_sum(gx), horizontal_sum(gy), horizontal_sum(gz)};
     const double steepness = std::sqrt(inner_product(gradient, gradient));
@@ -159,7 +161,7 @@ void Corrections::classify(const Particles& particles, const Neighbours& neighbo
       }
     }
     correction.interior = near ? 0 : 1;
-    if (!near && all_eigenvalues_above(correction.b, least_eigenvalue, D)) {
+    if (!near && !constants_.plain_operators && all_eigenvalues_above(correction.b, least_eigenvalue, D)) {
       invert(correction.b, D);
     } else {
       std::copy_n(Correction{}.b, 6, correction.b);
@@ -179,7 +181,7 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
     for_each(particles.water, [&](std::size_t i, int) {
       const Record& me = records[i];
       const double* b = correction_[i].b;
-      const Triple& u = shift_[i];
+      const Triple u = c.plain_operators ? Triple{} : shift_[i];
       const NeighbourRange range = neighbours.of_water(i);
       Pack divergence = splat(0), laplacian = splat(0), carried = splat(0);
       const auto pair = [&]<bool Water>(const std::uint32_t* index) {
@@ -229,8 +231,8 @@ void Corrections::accelerate(const Particles& particles, const Neighbours& neigh
       Triple* const on_points = reaction.of_thread(thread);
       const Record& me = records[i];
       const Correction& mine = correction_[i];
-      const Triple& u = shift_[i];
-      const bool tension = me.p < 0 && mine.interior > 0;
+      const Triple u = c.plain_operators ? Triple{} : shift_[i];
+      const bool tension = me.p < 0 && mine.interior > 0 && !c.plain_operators;
       const NeighbourRange range = neighbours.of_water(i);
       Pack ax = splat(0), ay = splat(0), az = splat(0);
       const auto pair = [&]<bool Water>(const std::uint32_t* index) {

@@ -34,6 +34,9 @@ struct alignas(64) Correction {
 /// taken for free surfaces. U is twice the largest relative speed within the support, at most the largest speed of all;
 /// near the free surface only the part of u that does not lead out of the water (thesis eq 5.36; Jandaghian &
 /// Shakibaeinia 2020, doi:10.1016/j.cma.2019.112700). The last terms above carry s and v along with u (ALE).
+///
+/// With Constants::plain_operators, B is the identity everywhere, without tensile control and ALE terms: shifting
+/// with the thesis' operators.
 class Corrections {
  public:
   explicit Corrections(const Constants& constants) : constants_(constants) {}

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/filling.hpp"
@@ -14,8 +15,8 @@ namespace embacle::mps {
 // positions, then density and pressure, then velocities (docs/numerics.md).
 
 void Simulation::step(double share_of_window) {
-  if (scene_.numerics.integrator == Integrator::predictor_corrector) {
-    predict_and_correct();
+  if (scene_.numerics.integrator == Integrator::symplectic) {
+    step_symplectic();
     time_ += constants_.step;
     ++counters_.steps;
     return;
@@ -278,7 +279,11 @@ void Simulation::evaluate_forces(double time) {
     const Timer timer(phases_, Phase::forces);
     accelerate(particles_, neighbours_, constants_, acceleration_, reaction_, part);
   };
-  if (bodies_) bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
+  if (scene_.numerics.wall_pressure == WallPressure::zero_gradient) {  // as if they fell freely
+    point_acceleration_.assign(neighbours_.wet_points().size(), std::to_array(constants_.static_gravity));
+  } else if (bodies_) {
+    bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
+  }
   timed(Phase::halo, [&] { halo_.start_water_state(particles_); });
   if (!wall_density_) extrapolate(Part::inner);
   timed(Phase::halo, [&] { halo_.finish(); });
@@ -397,7 +402,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       displacements_(constants_.support, constants_.skin),
       steps_per_window_(link != nullptr ? scene.coupling.steps_per_window : 1) {
   longest_step_ = constants_.step;
-  if (scene.numerics.regularisation == Regularisation::shifting) corrections_.emplace(constants_);
+  if (shifts(scene.numerics.regularisation)) corrections_.emplace(constants_);
   if (scene.numerics.wall_pressure == WallPressure::continuity) wall_density_.emplace(constants_);
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);

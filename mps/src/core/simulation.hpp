@@ -107,7 +107,7 @@ class Simulation {
 
   void step(double share_of_window);
   [[nodiscard]] int steps_of_window();
-  void predict_and_correct();
+  void step_symplectic();
   void move(double step);
   void move_walls(double step);
   void synchronise();                 ///< agrees on stale lists, on failures and on requests
@@ -152,7 +152,7 @@ class Simulation {
   std::optional<SurfaceLoads> surface_loads_;
   int steps_per_window_ = 1;
 
-  std::vector<Record> start_;  ///< own particles at the start of a step of predict_and_correct()
+  std::vector<Record> start_;  ///< own particles at the start of a step of step_symplectic()
   std::vector<Triple> acceleration_, point_acceleration_;
   Reactions reaction_;
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body

@@ -123,7 +123,7 @@ class Rules {
       context_.report({"numerics.wall_pressure", "coupling.script"},
                       "continuity is for walls only, and the scene has solids (coupling.script), whose points keep no "
                       "density; allowed: extrapolated");
-    if (n.integrator == Integrator::predictor_corrector) check_predictor_corrector();
+    if (n.integrator == Integrator::symplectic) check_symplectic();
     if (!domain_sound_ || !context_.sound("numerics.particle_distance")) return;
     for (int axis = 0; axis < scene_.dimension; ++axis) {
       const double extent = scene_.domain.upper[axis] - scene_.domain.lower[axis];
@@ -135,14 +135,13 @@ class Rules {
     }
   }
 
-  void check_predictor_corrector() {
+  void check_symplectic() {
     const Numerics& n = scene_.numerics;
     const auto refuse = [this](bool wrong, const std::string& other, const std::string& why) {
-      if (wrong) context_.report({"numerics.integrator", other}, "predictor_corrector " + why);
+      if (wrong) context_.report({"numerics.integrator", other}, "symplectic " + why);
     };
     refuse(scene_.coupled(), "coupling.script", "is for scenes without solids (coupling.script); allowed: leapfrog");
-    refuse(n.regularisation == Regularisation::shifting, "numerics.regularisation",
-           "does not go with shifting; allowed: leapfrog");
+    refuse(shifts(n.regularisation), "numerics.regularisation", "does not go with shifting; allowed: leapfrog");
     refuse(n.wall_pressure == WallPressure::continuity, "numerics.wall_pressure",
            "does not go with wall_pressure = \"continuity\"; allowed: leapfrog");
     refuse(n.skin < 0.1, "numerics.skin", "needs a skin of at least 0.1");

@@ -87,16 +87,19 @@ struct Form {
 
 enum class KernelKind { wendland, rational };
 /// What keeps particles in order.
-enum class Regularisation { collision, shifting, none };
+enum class Regularisation { collision, shifting, plain_shifting, none };
+[[nodiscard]] inline bool shifts(Regularisation kind) {
+  return kind == Regularisation::shifting || kind == Regularisation::plain_shifting;
+}
 /// Default support in particle distances.
 [[nodiscard]] inline double default_support(KernelKind) { return 3.1; }
 /// What the density diffusion acts on: the density less its hydrostatic part, or all of it.
 enum class Diffusion { dynamic, plain };
-enum class Integrator { leapfrog, predictor_corrector };
+enum class Integrator { leapfrog, symplectic };
 /// Model of the turbulence below the size of the particles.
 enum class TurbulenceModel { none, smagorinsky };
-/// Pressure of wall points: extrapolated from the water, or from a density that the continuity equation gives them.
-enum class WallPressure { extrapolated, continuity };
+/// Pressure of wall points: extrapolated from the water, its mean, or from a density by the continuity equation.
+enum class WallPressure { extrapolated, zero_gradient, continuity };
 enum class Scheme { serial, parallel };
 /// Loads on bodies: the exact reaction of the pair forces, or the sum of p A n over their surface.
 enum class Loads { reaction, pressure };

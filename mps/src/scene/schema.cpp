@@ -140,9 +140,9 @@ Schema make_schema() {
                                  "reference speed, or a blow accelerates the water; see docs/numerics.md"},
                      [](Numerics& x) -> Target { return &x.adaptive_step; }},
                     {{.name = "integrator",
-                      .meaning = "`leapfrog`, or `predictor_corrector`: every sweep twice a step; without solids, and "
+                      .meaning = "`leapfrog`, or `symplectic`: every sweep twice a step; without solids, and "
                                  "without `shifting` and `continuity`; needs a `skin` of at least 0.1",
-                      .choices = {"leapfrog", "predictor_corrector"}},
+                      .choices = {"leapfrog", "symplectic"}},
                      [](Numerics& x) -> Target { return &x.integrator; }},
                     {{.name = "sound_speed",
                       .meaning = "numerical speed of sound; 0: ten times the reference speed",
@@ -167,17 +167,19 @@ Schema make_schema() {
                       .choices = {"dynamic", "plain"}},
                      [](Numerics& x) -> Target { return &x.diffusion; }},
                     {{.name = "wall_pressure",
-                      .meaning = "pressure of walls: `extrapolated` from the water, or by the `continuity` equation "
-                                 "for their points, without solids",
-                      .choices = {"extrapolated", "continuity"}},
+                      .meaning = "pressure of walls and bodies: `extrapolated` from the water; its mean, "
+                                 "`zero_gradient`; or by the `continuity` equation for their points, without "
+                                 "solids",
+                      .choices = {"extrapolated", "zero_gradient", "continuity"}},
                      [](Numerics& x) -> Target { return &x.wall_pressure; }},
                     {{.name = "regularisation",
                       .meaning = "what keeps the particles in order: `collision` of those that come too near, or "
-                                 "`shifting` with corrected operators (and collisions), for internal flow; or `none`",
-                      .choices = {"collision", "shifting", "none"}},
+                                 "`shifting` with corrected operators (and collisions), for internal flow; "
+                                 "`plain_shifting`, the same with the plain operators; or `none`",
+                      .choices = {"collision", "shifting", "plain_shifting", "none"}},
                      [](Numerics& x) -> Target { return &x.regularisation; }},
                     {{.name = "shifting",
-                      .meaning = "strength of the shifting; needs `regularisation = \"shifting\"`",
+                      .meaning = "strength of the shifting; needs one of the two kinds of it",
                       .range = between(0, 5)},
                      [](Numerics& x) -> Target { return &x.shifting; }},
                     {{.name = "collision_distance",

@@ -178,10 +178,10 @@ TEST(Restart, DensitiesOfWallsContinueBitForBit) {
   }
 }
 
-TEST(Restart, PredictorAndCorrectorContinueBitForBit) {
+TEST(Restart, TheSymplecticIntegratorContinuesBitForBit) {
   const Folder folder;
   Scene scene = lively_scene(3);
-  scene.numerics.integrator = Integrator::predictor_corrector;
+  scene.numerics.integrator = Integrator::symplectic;
   Simulation whole(scene, MPI_COMM_WORLD, nullptr);
   run_until(whole, 93);
   write(whole, folder.file());

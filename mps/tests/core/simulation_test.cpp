@@ -108,7 +108,7 @@ TEST(Simulation, WallsHaveADensityOfTheirOwn) {
   EXPECT_NEAR(pressure_at(simulation, bottom), 1000 * 9.81 * 0.095, 0.1 * 1000 * 9.81 * 0.1);
 }
 
-TEST(Simulation, PredictorAndCorrectorAreOfSecondOrder) {
+TEST(Simulation, TheSymplecticIntegratorIsOfSecondOrder) {
   // A drop that swings between compression and expansion: the error after the same time, against a step of a sixteenth,
   // falls with the square of the step. Pressure alone: collisions and bounds are not smooth.
   const auto state_after = [](int refinement) {
@@ -119,7 +119,7 @@ TEST(Simulation, PredictorAndCorrectorAreOfSecondOrder) {
     scene.numerics.sound_speed = 10;
     scene.numerics.reference_speed = 1;
     scene.numerics.regularisation = Regularisation::none;
-    scene.numerics.integrator = Integrator::predictor_corrector;
+    scene.numerics.integrator = Integrator::symplectic;
     scene.numerics.cfl = 0.2 / refinement;
     Water& water = scene.water.front();
     water.kind = Water::Kind::table;
@@ -154,9 +154,9 @@ TEST(Simulation, PredictorAndCorrectorAreOfSecondOrder) {
   EXPECT_LT(coarse, 0.1);
 }
 
-TEST(Simulation, PredictorAndCorrectorGiveTheSameOnAnyNumberOfRanks) {
+TEST(Simulation, TheSymplecticIntegratorGivesTheSameOnAnyNumberOfRanks) {
   Scene scene = test::collapsing_column(2, 24);
-  scene.numerics.integrator = Integrator::predictor_corrector;
+  scene.numerics.integrator = Integrator::symplectic;
   const Result parallel = result_of(scene, MPI_COMM_WORLD, 200);
   const Result alone = result_of(scene, MPI_COMM_SELF, 200);
   scene.numerics.integrator = Integrator::leapfrog;
@@ -166,6 +166,23 @@ TEST(Simulation, PredictorAndCorrectorGiveTheSameOnAnyNumberOfRanks) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(parallel.centre[c], alone.centre[c], 1e-11);
   EXPECT_LT(parallel.audit.momentum_residual, 1e-10);
   EXPECT_NEAR(other.state.energy.kinetic, kinetic, 0.05 * kinetic);
+}
+
+TEST(Simulation, PressureOfWallsWithoutGradientIsThatOfTheWaterAround) {
+  const auto under_the_bottom = [](WallPressure kind) {
+    Scene scene = test::still_tank(2, 10);
+    scene.numerics.wall_pressure = kind;
+    Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+    run(simulation, 1);
+    for (std::size_t j = simulation.particles().water; j < simulation.particles().own(); ++j) {
+      const Record& record = simulation.particles().record[j];
+      if (std::abs(record.x[0] - 0.055) < 1e-6 && std::abs(record.x[1] + 0.005) < 1e-6) return record.p;
+    }
+    return 0.0;
+  };
+  const double row = 1000 * 9.81 * 0.01;  // rise of the pressure over a row
+  EXPECT_NEAR(under_the_bottom(WallPressure::extrapolated), 10.5 * row, 0.2 * row);
+  EXPECT_NEAR(under_the_bottom(WallPressure::zero_gradient), 9 * row, 0.45 * row);  // of the two or three rows seen
 }
 
 TEST(Simulation, StillWaterStaysStill) {
