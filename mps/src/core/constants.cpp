@@ -8,6 +8,30 @@
 
 namespace embacle::mps {
 
+namespace {
+
+/// Largest speed [m/s] of a corner of a wall by its turn.
+double turning_speed(const Wall& wall, int dimension) {
+  double rate = std::abs(wall.motion->angular_velocity);
+  const auto& table = wall.motion->angle_table;
+  for (std::size_t k = 1; k < table.size(); ++k) {
+    rate = std::max(rate, std::abs((table[k].second - table[k - 1].second) / (table[k].first - table[k - 1].first)));
+  }
+  double arm = 0;
+  for (int corner = 0; corner < (1 << dimension); ++corner) {
+    double along = 0, square = 0;
+    for (int c = 0; c < dimension; ++c) {
+      const double x = (corner >> c) % 2 == 1 ? wall.region.upper[c] : wall.region.lower[c];
+      along += (x - wall.motion->pivot[c]) * wall.motion->axis[c];
+      square += (x - wall.motion->pivot[c]) * (x - wall.motion->pivot[c]);
+    }
+    arm = std::max(arm, std::sqrt(std::max(0.0, square - along * along)));
+  }
+  return rate * arm;
+}
+
+}  // namespace
+
 double reference_speed(const Scene& scene) {
   if (scene.numerics.reference_speed > 0) return scene.numerics.reference_speed;
   const Vec3d weight = scene.static_gravity();
@@ -53,6 +77,7 @@ double reference_speed(const Scene& scene) {
       for (int c = 0; c < 3; ++c) square += (d1[c] - d0[c]) * (d1[c] - d0[c]);
       fastest = std::max(fastest, std::sqrt(square) / (t1 - t0));
     }
+    fastest = std::max(fastest, turning_speed(wall, scene.dimension));
   }
   const double head = highest > lowest ? std::sqrt(2 * gravity * (highest - lowest)) : 0;
   const double result = std::max(head, fastest);

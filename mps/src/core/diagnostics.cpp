@@ -54,12 +54,14 @@ double lattice_arrangement(const Constants& constants) {
   return sum;
 }
 
-/// How far [m] a place lies beyond the closed faces of a tank; negative inside.
-double outside_tank(const Scene& scene, const double* x) {
+/// How far [m] a place lies beyond the closed faces of a tank; negative inside. `pose`: of each wall.
+double outside_tank(const Scene& scene, const std::vector<Pose>& pose, const double* place) {
   static constexpr const char* names = "xyz";
   double farthest = -std::numeric_limits<double>::infinity();
-  for (const Wall& wall : scene.walls) {
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const Wall& wall = scene.walls[w];
     if (wall.kind != Wall::Kind::tank) continue;
+    const Vec3d x = pose[w].zero({place[0], place[1], place[2]});
     const auto closed = [&](int c, char sign) {
       return std::find(wall.open.begin(), wall.open.end(), std::string{names[c], sign}) == wall.open.end();
     };
@@ -97,6 +99,10 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   const Particles& particles = simulation.particles();
   const double full = lattice_arrangement(c);
   const double tait = c.sound_speed * c.sound_speed / 7.0;
+  std::vector<Pose> pose;
+  for (int w = 0; w < simulation.walls().count(); ++w) {
+    pose.push_back(simulation.walls().course(w).pose(simulation.time()));
+  }
   double sums[11] = {};
   double deepest[2] = {0, 0};  // in a body, beyond a tank
   for (std::size_t i = 0; i < particles.water; ++i) {
@@ -117,7 +123,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
       sums[7] += 1;
       sums[8] += (1.0 + full) / (1.0 + around.sum);
     }
-    const double outside = outside_tank(scene, record.x);
+    const double outside = outside_tank(scene, pose, record.x);
     sums[9] += outside > 0 ? 1 : 0;
     deepest[1] = std::max(deepest[1], outside);
     if (simulation.bodies() != nullptr) {

@@ -37,11 +37,12 @@ void Friction::add(const Particles& particles, const Neighbours& neighbours, dou
   const Kernel<K> kernel{1.0 / constants_.support};
   const double viscous_factor = constants_.viscosity * constants_.laplacian_factor;
   const double least = least_distance * constants_.particle_distance;
-  std::vector<Vec3d> moved(walls_.count()), surface(walls_.count());
+  std::vector<Pose> pose(walls_.count());
+  std::vector<Vec3d> surface(walls_.count());
   for (int w = 0; w < walls_.count(); ++w) {
     const auto& motion = walls_.definition(w).motion;
     if (!motion) continue;
-    moved[w] = displacement(*motion, time);
+    pose[w] = walls_.course(w).pose(time);
     if (time >= motion->start && time <= motion->stop) surface[w] = motion->surface_velocity;
   }
   for_each(particles.water, [&](std::size_t i, int thread) {
@@ -62,7 +63,7 @@ void Friction::add(const Particles& particles, const Neighbours& neighbours, dou
         if (contact_[w] == Contact::slips) continue;
         for (int c = 0; c < 3; ++c) velocity[c] += surface[w][c];
         if (contact_[w] == Contact::sticks) {
-          const Walls::Distances d = walls_.distances(w, identity.point, moved[w], other.x, me.x, constants_.periodic);
+          const Walls::Distances d = walls_.distances(w, identity.point, pose[w], other.x, me.x, constants_.periodic);
           share = 1 + std::max(0.0, d.point) / std::max(least, d.water);
         }
       }

@@ -82,17 +82,7 @@ void Guard::hold_outside(std::vector<Contact>& contacts, Triple& acceleration, d
 void Guard::apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time,
                   double step, std::vector<Triple>& acceleration, Triple& wall_reaction,
                   std::vector<coupling::Load>& body_loads) {
-  struct Pose {
-    Vec3d moved{}, velocity{};
-  };
-  std::vector<Pose> poses(scene_.walls.size());
-  for (std::size_t w = 0; w < poses.size(); ++w) {
-    const auto& motion = scene_.walls[w].motion;
-    if (!motion || !motion->moves()) continue;
-    poses[w].moved = displacement(*motion, time);
-    const Vec3d before = displacement(*motion, time - step);
-    for (int c = 0; c < 3; ++c) poses[w].velocity[c] = (poses[w].moved[c] - before[c]) / step;
-  }
+  const std::vector<Stride> strides = walls_.strides(time - step, time, step);
   loads_.reset(bodies != nullptr ? bodies->count() + 1 : 1);
   std::vector<std::vector<Contact>> contacts_of_thread(threads());
   for_each(particles.water, [&](std::size_t i, int thread) {
@@ -116,18 +106,27 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       add(static_cast<int>(b), {normal[0], normal[1], normal[2]}, distance, {surface[0], surface[1], surface[2]});
     }
     for (const Face& face : faces_) {
-      const Pose& pose = poses[face.wall];
+      const Stride& stride = strides[face.wall];
+      const Pose& pose = stride.after;
+      if (pose.turned) {
+        const Vec3d zero = pose.zero({record.x[0], record.x[1], record.x[2]});
+        const double distance = face.sign * (zero[face.axis] - face.place);
+        if (distance >= distance_ || distance < -constants_.support) continue;
+        add(no_body, pose.turn(axis_normal(face.axis, face.sign)), distance, stride.velocity_of(zero));
+        continue;
+      }
       const double distance = face.sign * (record.x[face.axis] - face.place - pose.moved[face.axis]);
       if (distance >= distance_ || distance < -constants_.support) continue;
-      add(no_body, axis_normal(face.axis, face.sign), distance, pose.velocity);
+      add(no_body, axis_normal(face.axis, face.sign), distance, stride.velocity);
     }
     for (const int w : boxes_) {
       const BoxRegion& box = scene_.walls[w].region;
       // Nearest face of the box if the place is within reach of it, seen straight on.
       double nearest = -1e300, sign = 0;
       int axis = -1;
+      const Vec3d zero = strides[w].after.zero({record.x[0], record.x[1], record.x[2]});
       for (int c = 0; c < scene_.dimension; ++c) {
-        double x = record.x[c] - poses[w].moved[c];
+        double x = zero[c];
         if (constants_.periodic.in(c)) {
           if (box.upper[c] - box.lower[c] > constants_.periodic.length[c] - distance_) continue;  // has no ends
           const double middle = 0.5 * (box.lower[c] + box.upper[c]);
@@ -142,21 +141,22 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
         }
       }
       if (axis < 0 || nearest >= distance_) continue;
-      add(no_body, axis_normal(axis, sign), nearest, poses[w].velocity);
+      add(no_body, strides[w].after.turn(axis_normal(axis, sign)), nearest, strides[w].velocity_of(zero));
     }
     for (const int w : solids_) {
       const BoxRegion& region = scene_.walls[w].region;
+      const Vec3d zero = strides[w].after.zero({record.x[0], record.x[1], record.x[2]});
       Vec3d local{}, normal{};
       bool near = true;
       for (int c = 0; c < scene_.dimension; ++c) {
         const double middle = 0.5 * (region.lower[c] + region.upper[c]);
-        local[c] = middle + constants_.periodic.nearest(c, record.x[c] - poses[w].moved[c] - middle);
+        local[c] = middle + constants_.periodic.nearest(c, zero[c] - middle);
         near = near && local[c] > region.lower[c] - distance_ && local[c] < region.upper[c] + distance_;
       }
       if (!near) continue;
       const double distance = walls_.solid(w)->distance(local.data(), &normal);
       if (distance >= distance_) continue;
-      add(no_body, normal, distance, poses[w].velocity);
+      add(no_body, strides[w].after.turn(normal), distance, strides[w].velocity_of(zero));
     }
     if (contacts.empty()) return;
 

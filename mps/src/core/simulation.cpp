@@ -110,17 +110,21 @@ void Simulation::move(double step) {
 
 void Simulation::move_walls(double step) {
   if (walls_.any_moves()) {
-    std::vector<Vec3d> velocity(walls_.count());
-    for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time_, step);
+    const std::vector<Stride> strides = walls_.strides(time_, time_ + step, step);
     for (std::size_t j = particles_.water; j < particles_.own(); ++j) {
       const int owner = particles_.identity[j].owner;
       if (owner >= walls_.count()) continue;
       Record& record = particles_.record[j];
+      const Stride& stride = strides[owner];
+      const Vec3d velocity = stride.after.turned
+                                 ? stride.velocity_of(stride.before.zero({record.x[0], record.x[1], record.x[2]}))
+                                 : stride.velocity;
       for (int c = 0; c < 3; ++c) {
-        record.v[c] = velocity[owner][c];
+        record.v[c] = velocity[c];
         record.x[c] += step * record.v[c];
       }
     }
+    wall_travel_ = walls_.travel(built_at_, time_ + step);
   }
 }
 
@@ -128,7 +132,8 @@ void Simulation::synchronise() {
   double stale = 1;
   if (lists_valid_) {
     const Timer timer(phases_, Phase::search);
-    stale = displacements_.lists_hold(particles_) ? 0 : 1;
+    // Dry points of a wall stand in no list: what they have moved counts as well.
+    stale = displacements_.lists_hold(particles_) && wall_travel_ <= constants_.skin ? 0 : 1;
   }
   const Timer timer(phases_, Phase::synchronisation);
   // Agreed by one reduction: whether any lists are stale, the lowest rank that has found a failure, the largest
@@ -203,6 +208,8 @@ void Simulation::find_neighbours(double time) {
   neighbours_.build(particles_, walls_, walls_.thin_walls(time));
   displacements_.remember(particles_);
   lists_valid_ = true;
+  built_at_ = time;
+  wall_travel_ = 0;
   ++counters_.builds;
 }
 
@@ -219,16 +226,17 @@ void Simulation::adopt_walls(const std::vector<Traveller>& points) {
 /// Moves the stored wall points to where they are at `time`.
 void Simulation::place_wall_points(double time) {
   if (!walls_.any_moves()) return;
-  wall_moved_.resize(walls_.count());
-  for (int w = 0; w < walls_.count(); ++w) wall_moved_[w] = walls_.displacement_at(w, time);
+  wall_pose_.resize(walls_.count());
+  for (int w = 0; w < walls_.count(); ++w) wall_pose_[w] = walls_.course(w).pose(time);
 }
 
 /// A stored wall point at rest where it was at the last build.
 Record Simulation::place_of(const WallPoint& point) const {
   Record record;
   std::copy_n(point.at_zero, 3, record.x);
-  if (!wall_moved_.empty()) {
-    for (int c = 0; c < 3; ++c) record.x[c] += wall_moved_[point.identity.owner][c];
+  if (!wall_pose_.empty()) {
+    const Vec3d place = wall_pose_[point.identity.owner].place({point.at_zero[0], point.at_zero[1], point.at_zero[2]});
+    std::copy_n(place.data(), 3, record.x);
   }
   constants_.periodic.wrap(record.x);
   return record;
@@ -250,8 +258,8 @@ void Simulation::migrate_wall_points(double reach) {
 
 /// Copies of the stored wall points that water can feel, with the velocity of their wall.
 std::vector<Traveller> Simulation::wall_points_near_water(double time) {
-  std::vector<Vec3d> velocity(walls_.count());
-  for (int w = 0; w < walls_.count(); ++w) velocity[w] = walls_.velocity(w, time - constants_.step, constants_.step);
+  const double before = time - constants_.step;
+  const std::vector<Stride> strides = walls_.strides(before, before + constants_.step, constants_.step);
   std::vector<Traveller> result;
   for (std::size_t k = 0; k < wall_points_.size(); ++k) {
     const WallPoint& point = wall_points_[k];
@@ -260,9 +268,22 @@ std::vector<Traveller> Simulation::wall_points_near_water(double time) {
     if (wall_density_) record.s = wall_density_->pass(k, near_water);
     if (!near_water) continue;
     result.push_back({record, point.identity});
-    for (int c = 0; c < 3; ++c) result.back().record.v[c] = velocity[point.identity.owner][c];
+    const Vec3d velocity =
+        strides[point.identity.owner].velocity_of({point.at_zero[0], point.at_zero[1], point.at_zero[2]});
+    std::copy_n(velocity.data(), 3, result.back().record.v);
   }
   return result;
+}
+
+/// Accelerations of the wet points of walls beside those of bodies.
+void Simulation::accelerate_wall_points(double time) {
+  const auto& wet = neighbours_.wet_points();
+  if (!bodies_) point_acceleration_.assign(wet.size(), Triple{});
+  for (std::size_t k = 0; k < wet.size(); ++k) {
+    const int owner = particles_.identity[wet[k]].owner;
+    if (owner < walls_.count() && walls_.course(owner).accelerates())
+      point_acceleration_[k] = walls_.course(owner).acceleration(time, particles_.record[wet[k]].x);
+  }
 }
 
 /// What needs no ghosts is done while the exchanges are on their way.
@@ -284,6 +305,7 @@ void Simulation::evaluate_forces(double time) {
   } else if (bodies_) {
     bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
   }
+  if (walls_.any_accelerates()) accelerate_wall_points(time);
   timed(Phase::halo, [&] { halo_.start_water_state(particles_); });
   if (!wall_density_) extrapolate(Part::inner);
   timed(Phase::halo, [&] { halo_.finish(); });

@@ -125,6 +125,7 @@ class Simulation {
   [[nodiscard]] std::vector<Traveller> own_water() const;
   void adopt_walls(const std::vector<Traveller>& points);
   void place_wall_points(double time);
+  void accelerate_wall_points(double time);
   [[nodiscard]] Record place_of(const WallPoint& point) const;
   void migrate_wall_points(double reach);
   [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time);
@@ -145,7 +146,9 @@ class Simulation {
   /// All wall points in this rank's part of space; those near water have a copy among the particles.
   std::vector<WallPoint> wall_points_;
   std::optional<WallDensity> wall_density_;
-  std::vector<Vec3d> wall_moved_;  ///< displacement of each wall since time zero, at the last build; empty: all at rest
+  std::vector<Pose> wall_pose_;  ///< of each wall at the last build; empty: all at rest
+  double built_at_ = 0;          ///< time of the last build [s]
+  double wall_travel_ = 0;       ///< farthest way of a wall since then [m]
   std::optional<Bodies> bodies_;
   std::optional<Corrections> corrections_;
   std::optional<Turbulence> turbulence_;

@@ -5,24 +5,6 @@
 
 namespace embacle::mps {
 
-Vec3d displacement(const Motion& motion, double time) {
-  Vec3d result{};
-  if (motion.table.empty()) {
-    const double active = std::clamp(time, motion.start, motion.stop) - motion.start;
-    for (int c = 0; c < 3; ++c) result[c] = motion.velocity[c] * active;
-    return result;
-  }
-  const auto& table = motion.table;
-  const auto next = std::upper_bound(table.begin(), table.end(), time,
-                                     [](double value, const auto& row) { return value < row.first; });
-  if (next == table.begin()) return table.front().second;
-  if (next == table.end()) return table.back().second;
-  const auto& before = *(next - 1);
-  const double share = (time - before.first) / (next->first - before.first);
-  for (int c = 0; c < 3; ++c) result[c] = before.second[c] + share * (next->second[c] - before.second[c]);
-  return result;
-}
-
 std::vector<double> fitted_lattice(double lower, double upper, double spacing) {
   const int n = std::max(1, static_cast<int>(std::lround((upper - lower) / spacing)));
   std::vector<double> centres(n);
@@ -37,7 +19,9 @@ Walls::Walls(const Scene& scene, int dimension, int layers)
       particle_distance_(scene.numerics.particle_distance) {
   int thin = 0;
   for (const Wall& wall : walls_) {
-    any_moves_ = any_moves_ || (wall.motion && wall.motion->moves());
+    courses_.push_back(wall.motion ? Course(*wall.motion) : Course());
+    any_moves_ = any_moves_ || courses_.back().moves();
+    any_accelerates_ = any_accelerates_ || courses_.back().accelerates();
     int axis = -1;
     if (wall.kind == Wall::Kind::box) {
       for (int c = 0; c < dimension; ++c) {
@@ -53,19 +37,29 @@ Walls::Walls(const Scene& scene, int dimension, int layers)
   }
 }
 
-Vec3d Walls::velocity(int wall, double time, double step) const {
-  Vec3d result{};
-  const auto& motion = walls_[wall].motion;
-  if (!motion || !motion->moves()) return result;
-  const Vec3d before = displacement(*motion, time);
-  const Vec3d after = displacement(*motion, time + step);
-  for (int c = 0; c < 3; ++c) result[c] = (after[c] - before[c]) / step;
+std::vector<Stride> Walls::strides(double from, double to, double step) const {
+  std::vector<Stride> result;
+  for (const Course& course : courses_) result.push_back(course.stride(from, to, step));
   return result;
 }
 
-Vec3d Walls::displacement_at(int wall, double time) const {
-  const auto& motion = walls_[wall].motion;
-  return motion && motion->moves() ? displacement(*motion, time) : Vec3d{};
+double Walls::travel(double from, double to) const {
+  double farthest = 0;
+  for (int w = 0; w < count(); ++w) {
+    if (!courses_[w].moves()) continue;
+    const Pose before = courses_[w].pose(from), after = courses_[w].pose(to);
+    // The way is a convex function of the place: it is longest at a corner.
+    const double around = walls_[w].kind == Wall::Kind::tank ? layers_ * particle_distance_ : 0.0;
+    for (int corner = 0; corner < (1 << dimension_); ++corner) {
+      Vec3d x{};
+      for (int c = 0; c < dimension_; ++c) {
+        x[c] = (corner >> c) % 2 == 1 ? walls_[w].region.upper[c] + around : walls_[w].region.lower[c] - around;
+      }
+      const Vec3d a = before.place(x), b = after.place(x);
+      farthest = std::max(farthest, std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
+    }
+  }
+  return farthest;
 }
 
 std::vector<ThinWall> Walls::thin_walls(double time) const {
@@ -74,7 +68,7 @@ std::vector<ThinWall> Walls::thin_walls(double time) const {
     if (thin_index_[w] < 0) continue;
     ThinWall thin{thin_axis_[w], walls_[w].region.lower, walls_[w].region.upper};
     if (walls_[w].motion) {
-      const Vec3d moved = displacement(*walls_[w].motion, time);
+      const Vec3d moved = courses_[w].pose(time).moved;  // thin walls do not turn
       for (int c = 0; c < 3; ++c) {
         thin.lower[c] += moved[c];
         thin.upper[c] += moved[c];
@@ -109,13 +103,12 @@ bool Walls::separates(const ThinWall& wall, const double* a, const double* b, in
   return true;
 }
 
-Walls::Distances Walls::distances(int wall, std::int32_t side, const Vec3d& moved, const double* point,
+Walls::Distances Walls::distances(int wall, std::int32_t side, const Pose& pose, const double* point,
                                   const double* water, const Periodic& periodic) const {
   const BoxRegion& region = walls_[wall].region;
-  Vec3d b{}, w{};  // in the frame of the wall at the start
+  // In the frame of the wall at the start.
+  Vec3d b = pose.zero({point[0], point[1], point[2]}), w = pose.zero({water[0], water[1], water[2]});
   for (int c = 0; c < dimension_; ++c) {
-    b[c] = point[c] - moved[c];
-    w[c] = water[c] - moved[c];
     const double middle = 0.5 * (region.lower[c] + region.upper[c]);
     const double image = periodic.nearest(c, b[c] - middle) - (b[c] - middle);
     b[c] += image;

@@ -4,15 +4,13 @@
 #include <array>
 #include <vector>
 
+#include "core/motion.hpp"
 #include "core/particles.hpp"
 #include "core/periodic.hpp"
 #include "core/solid.hpp"
 #include "scene/scene.hpp"
 
 namespace embacle::mps {
-
-/// Displacement [m] of a wall at time t [s].
-[[nodiscard]] Vec3d displacement(const Motion& motion, double time);
 
 /// Sides of a wall point, stored in Identity::point. Points of thick walls are `both`. A wall thinner than the support
 /// gets, for each of its two sides, its own layers completed by extra layers behind, which only water on that side
@@ -33,11 +31,14 @@ class Walls {
   Walls(const Scene& scene, int dimension, int layers);
 
   [[nodiscard]] int count() const { return static_cast<int>(walls_.size()); }
-  /// Velocity [m/s] of a wall, constant over the step from `time` to `time + step`.
-  [[nodiscard]] Vec3d velocity(int wall, double time, double step) const;
-  /// Displacement [m] of a wall since time zero.
-  [[nodiscard]] Vec3d displacement_at(int wall, double time) const;
+  [[nodiscard]] const Course& course(int wall) const { return courses_[wall]; }
   [[nodiscard]] bool any_moves() const { return any_moves_; }
+  /// Whether the water feels the acceleration of any (see Course).
+  [[nodiscard]] bool any_accelerates() const { return any_accelerates_; }
+  /// Strides of all walls (see Course).
+  [[nodiscard]] std::vector<Stride> strides(double from, double to, double step) const;
+  /// Farthest way [m] of a point of any wall, wet or dry, between its places at two times.
+  [[nodiscard]] double travel(double from, double to) const;
   /// Thin walls where they stand at `time`.
   [[nodiscard]] std::vector<ThinWall> thin_walls(double time) const;
   /// Whether water at x may interact with a point of `side` of wall `wall` (thin[wall] from thin_walls()).
@@ -55,8 +56,8 @@ class Walls {
   struct Distances {
     double point, water;
   };
-  /// `moved`: the wall's present displacement; `side`: of the point (see WallSide). Both places may be images.
-  [[nodiscard]] Distances distances(int wall, std::int32_t side, const Vec3d& moved, const double* point,
+  /// `pose`: of the wall now; `side`: of the point (see WallSide). Both places may be images.
+  [[nodiscard]] Distances distances(int wall, std::int32_t side, const Pose& pose, const double* point,
                                     const double* water, const Periodic& periodic) const;
   /// Index into thin_walls() of each wall, or -1.
   [[nodiscard]] int thin_index(int wall) const { return thin_index_[wall]; }
@@ -69,6 +70,7 @@ class Walls {
   [[nodiscard]] std::vector<Point> box_points(const Wall& wall) const;
 
   std::vector<Wall> walls_;
+  std::vector<Course> courses_;               ///< of each wall
   std::vector<std::optional<Solid>> solids_;  ///< of each wall
   std::vector<int> thin_index_;
   std::vector<int> thin_axis_;
@@ -76,6 +78,7 @@ class Walls {
   int layers_;
   double particle_distance_;
   bool any_moves_ = false;
+  bool any_accelerates_ = false;
 };
 
 /// Centres of the cells of a lattice of about `spacing` that fits between lower and upper exactly.

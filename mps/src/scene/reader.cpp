@@ -48,12 +48,10 @@ class Reader {
       wall.motion.emplace();
       if (const auto* inner = section_table(*motion, path + ".motion"))
         read_section(*inner, path + ".motion", schema().motion, *wall.motion);
+      normalise(wall.motion->axis);
     });
-    read_repeated(all.gauge, scene.gauges, [](Gauge& gauge, const toml::table&, const std::string&) {
-      const double length = std::hypot(gauge.direction[0], gauge.direction[1], gauge.direction[2]);
-      if (length > 0)
-        for (double& component : gauge.direction) component /= length;
-    });
+    read_repeated(all.gauge, scene.gauges,
+                  [](Gauge& gauge, const toml::table&, const std::string&) { normalise(gauge.direction); });
     if (document_.root().contains("coupling")) read_single(all.coupling, scene.coupling);
     read_variables(scene.coupling);
     read_single(all.output, scene.output);
@@ -345,6 +343,10 @@ class Reader {
     read_table_of(node, path, key, out, read_motion_table);
   }
 
+  void read_value(const toml::node& node, const std::string& path, const Key& key, AngleTable& out) {
+    read_table_of(node, path, key, out, read_angle_table);
+  }
+
   void read_value(const toml::node& node, const std::string& path, const Key& key, WaterTable& out) {
     read_table_of(node, path, key, out, read_water_table);
   }
@@ -380,6 +382,12 @@ class Reader {
         water.region.upper[axis] = std::max(water.region.upper[axis], row.position[axis] + 0.5 * cell);
       }
     }
+  }
+
+  static void normalise(Vec3d& direction) {
+    const double length = std::hypot(direction[0], direction[1], direction[2]);
+    if (length > 0)
+      for (double& component : direction) component /= length;
   }
 
   /// Completes the form of a wall or of water: its kind, its true size, the box around it.

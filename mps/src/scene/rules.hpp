@@ -356,6 +356,7 @@ class Rules {
         context_.report({path + ".open"}, "a 2-D tank has no sides in z; allowed: x-, x+, y-, y+");
     }
     if (wall.motion) check_motion(path + ".motion", *wall.motion);
+    if (wall.motion) check_turn(path, wall);
     check_friction(path, wall);
   }
 
@@ -373,23 +374,63 @@ class Rules {
   }
 
   void check_motion(const std::string& path, const Motion& motion) {
-    const bool has_table = context_.given(path + ".table");
-    const bool has_velocity = context_.given(path + ".velocity");
-    const bool has_surface = context_.given(path + ".surface_velocity");
+    const auto given = [&](const char* key) { return context_.given(path + key); };
+    const bool has_table = given(".table"), has_velocity = given(".velocity"), has_surface = given(".surface_velocity");
+    const bool turns = given(".angular_velocity") || given(".angle_table");
     const int kinds = (has_table ? 1 : 0) + (has_velocity ? 1 : 0) + (has_surface ? 1 : 0);
-    if (kinds != 1)
+    if (kinds > 1 || (kinds == 0 && !turns))
       context_.report({has_table     ? path + ".table"
                        : has_surface ? path + ".surface_velocity"
                                      : path},
                       kinds > 1 ? "a motion has either a table or a velocity, of the wall or of its surface, not both"
-                                : "needs a velocity, a surface_velocity or a table");
+                                : "needs a velocity, a surface_velocity or a table, or an angular_velocity or an "
+                                  "angle_table");
+    const bool constant = has_velocity || has_surface || given(".angular_velocity");
     for (const char* key : {".start", ".stop"})
-      if (has_table && kinds == 1 && context_.given(path + key))
+      if (!constant && (kinds == 1 || turns) && given(key))
         context_.report({path + key},
                         "belongs to a motion by velocity, and this one has a table, which says when; leave it out");
-    if (!has_table && motion.stop <= motion.start)
+    if (constant && motion.stop <= motion.start)
       context_.report({path + ".stop", path + ".start"},
                       number_text(motion.stop) + " s must be after start (" + number_text(motion.start) + " s)");
+    if (given(".interpolation") && !has_table && !given(".angle_table"))
+      context_.report({path + ".interpolation"}, "is of tables, and there is none; leave it out");
+  }
+
+  /// A turn: its keys, and the walls that can.
+  void check_turn(const std::string& wall_path, const Wall& wall) {
+    const std::string path = wall_path + ".motion";
+    const bool constant = context_.given(path + ".angular_velocity"), table = context_.given(path + ".angle_table");
+    const std::string key = path + (table ? ".angle_table" : ".angular_velocity");
+    if (!constant && !table) {
+      for (const char* own : {".pivot", ".axis"})
+        if (context_.given(path + own))
+          context_.report({path + own},
+                          "is of a turn (angular_velocity, angle_table), and there is none; leave it out");
+      return;
+    }
+    if (constant && table) context_.report({key}, "a turn has either an angle_table or an angular_velocity, not both");
+    if (context_.given(path + ".surface_velocity"))
+      context_.report({path + ".surface_velocity", key},
+                      "belongs to a wall that stays where it is; leave out the turn");
+    if (!context_.given(path + ".pivot")) context_.report({key}, "the key 'pivot' is required for a wall that turns");
+    if (scene_.dimension == 2 && context_.given(path + ".axis"))
+      context_.report({path + ".axis"}, "only for 3-D scenes; leave it out");
+    if (wall.motion->axis == Vec3d{}) context_.report({path + ".axis"}, "must not be zero");
+    for (int axis = 0; axis < scene_.dimension; ++axis) {
+      const std::string name(1, axis_names[axis]);
+      if (scene_.is_periodic(axis) && std::abs(wall.motion->axis[axis]) != 1)
+        context_.report({key, "domain.periodic"}, "the domain is periodic in " + name +
+                                                      ", where a wall cannot turn but about an axis in that direction");
+      const double thickness = wall.region.upper[axis] - wall.region.lower[axis];
+      if (wall.kind == Wall::Kind::box &&
+          thickness < (std::floor(support() / scene_.numerics.particle_distance + 1e-9) - 0.5) *
+                          scene_.numerics.particle_distance)
+        context_.report({key}, "in " + name + " the wall is thinner (" + rounded(thickness) + " m) than the support (" +
+                                   rounded(support()) +
+                                   " m), and such a wall cannot turn yet; make it as thick as that, or shorten the "
+                                   "support");
+    }
   }
 
   void check_gauge(const std::string& path, const Gauge& gauge) {

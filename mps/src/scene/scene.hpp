@@ -104,20 +104,30 @@ enum class Scheme { serial, parallel };
 /// Loads on bodies: the exact reaction of the pair forces, or the sum of p A n over their surface.
 enum class Loads { reaction, pressure };
 enum class GaugeKind { level, pressure, front };
+/// Between the rows of a table of motion: straight lines, or a spline with continuous acceleration.
+enum class Interpolation { linear, cubic };
 
 /// Prescribed motion of a wall: constant velocity, of the wall or of its surface, between start and stop, or a table of
-/// displacement.
+/// displacement; and a turn about a pivot that is displaced with it.
 struct Motion {
   Vec3d velocity{};                                       ///< [m/s]
   double start = 0;                                       ///< [s]
   double stop = std::numeric_limits<double>::infinity();  ///< [s]
   /// Alternatively, of a wall that stays where it is: velocity of its surface, as of a belt or a lid [m/s].
   Vec3d surface_velocity{};
-  /// Alternatively: rows of (time [s], displacement [m] in x, y, z), linearly interpolated, held outside.
+  /// Alternatively: rows of (time [s], displacement [m] in x, y, z), held outside.
   std::vector<std::pair<double, Vec3d>> table;
+  /// Turn about `axis` through `pivot`, right-handed: constant between start and stop [rad/s].
+  double angular_velocity = 0;
+  /// Alternatively: rows of (time [s], angle [rad]), held outside.
+  std::vector<std::pair<double, double>> angle_table;
+  Vec3d pivot{};                                        ///< at time zero [m]
+  Vec3d axis{0, 0, 1};                                  ///< of unit length
+  Interpolation interpolation = Interpolation::linear;  ///< of both tables
 
+  [[nodiscard]] bool turns() const { return angular_velocity != 0 || !angle_table.empty(); }
   /// Whether the wall changes its place.
-  [[nodiscard]] bool moves() const { return !table.empty() || velocity != Vec3d{}; }
+  [[nodiscard]] bool moves() const { return !table.empty() || velocity != Vec3d{} || turns(); }
 };
 
 /// A solid boundary: `tank` = the inside of a box, open on the sides listed in `open`; `box` = a solid box; or a solid

@@ -292,7 +292,11 @@ Schema make_schema() {
   add_form(s.wall.fields);
   s.motion = {
       "wall.motion",
-      "Prescribed motion of the wall it stands under: `velocity`, `table` or `surface_velocity`.",
+      "Prescribed motion of the wall it stands under: `velocity` or `table`, and `angular_velocity` or `angle_table`; "
+      "or "
+      "`surface_velocity` alone. A wall turns about its pivot, and the pivot is displaced. Water at the start fills "
+      "the "
+      "walls as they stand in the scene, before any motion.",
       {
           {{.name = "velocity",
             .meaning = "constant velocity between `start` and `stop`",
@@ -314,12 +318,34 @@ Schema make_schema() {
             .default_text = "none"},
            [](Motion& x) -> Target { return &x.surface_velocity; }},
           {{.name = "table",
-            .meaning =
-                "CSV file of the displacement over time, path relative to the scene file: a header line "
-                "`t [s], x [m], y [m], z [m]` (in 2-D without z) and rows of rising time; linear in between, held "
-                "before and after",
+            .meaning = "CSV file of the displacement over time, path relative to the scene file: a header line "
+                       "`t [s], x [m], y [m], z [m]` (in 2-D without z) and rows of rising time; held before and after",
             .default_text = "none"},
            [](Motion& x) -> Target { return &x.table; }},
+          {{.name = "angular_velocity",
+            .meaning = "constant turn about `pivot` between `start` and `stop`, anticlockwise seen against the axis",
+            .quantity = Q::angular_speed,
+            .default_text = "none"},
+           [](Motion& x) -> Target { return &x.angular_velocity; }},
+          {{.name = "angle_table",
+            .meaning = "CSV file of the angle of turn over time, path relative to the scene file: a header line "
+                       "`t [s], angle [rad]` (or `[deg]`) and rows of rising time; held before and after",
+            .default_text = "none"},
+           [](Motion& x) -> Target { return &x.angle_table; }},
+          {{.name = "pivot",
+            .meaning = "a place on the axis about which the wall turns, before any motion; required for a turn",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Motion& x) -> Target { return &x.pivot; }},
+          {{.name = "axis",
+            .meaning = "direction of that axis, of any length but zero; 3-D only",
+            .default_text = "[0, 0, 1]"},
+           [](Motion& x) -> Target { return &x.axis; }},
+          {{.name = "interpolation",
+            .meaning = "between the rows of the tables: `linear`, or `cubic`, a spline that begins and ends at rest, "
+                       "whose acceleration the water feels; take it for waves and sloshing",
+            .choices = {"linear", "cubic"}},
+           [](Motion& x) -> Target { return &x.interpolation; }},
       },
       {}};
   s.gauge = {
@@ -441,7 +467,8 @@ std::string type_text(const Key& key, const Target& target) {
     return "true or false";
   if (std::holds_alternative<std::string*>(target)) return "text";
   if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target) ||
-      std::holds_alternative<WaterTable*>(target) || std::holds_alternative<SurfacePointer*>(target))
+      std::holds_alternative<AngleTable*>(target) || std::holds_alternative<WaterTable*>(target) ||
+      std::holds_alternative<SurfacePointer*>(target))
     return "file";
   if (std::holds_alternative<Polygon*>(target)) return "list of points, " + number;
   return key.choices.empty() ? number : "word";
@@ -506,6 +533,9 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
     std::string operator()(const MotionTable*) const {
       return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
+    std::string operator()(const AngleTable*) const {
+      return operator()(static_cast<const std::filesystem::path*>(nullptr));
+    }
     std::string operator()(const WaterTable*) const {
       return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
@@ -546,7 +576,7 @@ Paths in the file are relative to its folder.
 )";
   for (const Quantity quantity :
        {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::density,
-        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::plain}) {
+        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::angular_speed, Quantity::plain}) {
     const auto cell = [](std::string_view text) { return std::string(text) + " | "; };
     page += "| " + cell(quantity_name(quantity)) + cell(si_unit(quantity)) +
             cell("`\"" + std::string(example_of(quantity)) + "\"`") + std::string(usual_units(quantity)) + " |\n";

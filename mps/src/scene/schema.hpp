@@ -16,16 +16,19 @@ namespace embacle::mps {
 /// Rows of (time [s], displacement [m]), as in Motion.
 using MotionTable = std::vector<std::pair<double, Vec3d>>;
 
+/// Rows of (time [s], angle [rad]), as in Motion.
+using AngleTable = std::vector<std::pair<double, double>>;
+
 using SurfacePointer = std::shared_ptr<const Surface>;
 /// Points of a plane, the third component zero.
 using Polygon = std::vector<Vec3d>;
 
 /// Where a value goes; the type of the pointer is the type that the key expects.
-using Target =
-    std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
-                 std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*, KernelKind*,
-                 Regularisation*, Diffusion*, Integrator*, TurbulenceModel*, WallPressure*, Scheme*, Loads*, GaugeKind*,
-                 Wall::Kind*, Water::Kind*, WaterTable*, std::optional<Vec3d>*, Axis*, Polygon*, SurfacePointer*>;
+using Target = std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
+                            std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*,
+                            KernelKind*, Regularisation*, Diffusion*, Integrator*, TurbulenceModel*, WallPressure*,
+                            Scheme*, Loads*, GaugeKind*, Wall::Kind*, Water::Kind*, WaterTable*, std::optional<Vec3d>*,
+                            Axis*, Polygon*, SurfacePointer*, AngleTable*, Interpolation*>;
 
 /// Index of the word that an enumeration stands for; nothing for other values.
 [[nodiscard]] inline std::optional<std::size_t> choice_of(const Target& target) {

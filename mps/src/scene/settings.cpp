@@ -59,6 +59,14 @@ struct Text {
     }
     return std::to_string(x->size()) + " rows, checksum " + std::to_string(sum.value);
   }
+  std::string operator()(const AngleTable* x) const {
+    Checksum sum;
+    for (const auto& [time, angle] : *x) {
+      sum.add(time);
+      sum.add(angle);
+    }
+    return std::to_string(x->size()) + " rows, checksum " + std::to_string(sum.value);
+  }
   std::string operator()(const WaterTable* x) const {
     Checksum sum;
     for (const WaterTable::Row& row : x->rows) {

@@ -8,6 +8,26 @@
 
 namespace embacle::mps {
 
+/// The time of a row, which must be after that of the row before. Throws TableError.
+template <class Rows>
+double rising_time(const Rows& before, double time, int line) {
+  if (!before.empty() && time <= before.back().first)
+    throw TableError(line, "time " + number_text(time) + " s is not after that of the row before, " +
+                               number_text(before.back().first) + " s");
+  return time;
+}
+
+/// Reads a CSV file of angles: rows of strictly rising time. Throws TableError.
+[[nodiscard]] inline AngleTable read_angle_table(const std::filesystem::path& file, int) {
+  static constexpr std::array<Column, 2> columns{{{"t", Quantity::time}, {"angle", Quantity::angle}}};
+  AngleTable table;
+  read_table(file, std::span<const Column>(columns), largest_scene_file,
+             [&](const Header&, const std::vector<double>& row, int line) {
+               table.emplace_back(rising_time(table, row[0], line), row[1]);
+             });
+  return table;
+}
+
 /// Reads a CSV file of displacements: rows of strictly rising time. Throws TableError.
 [[nodiscard]] inline MotionTable read_motion_table(const std::filesystem::path& file, int dimension) {
   static constexpr std::array<Column, 4> columns{
@@ -15,10 +35,7 @@ namespace embacle::mps {
   MotionTable table;
   read_table(file, std::span(columns).first(dimension + 1), largest_scene_file,
              [&](const Header&, const std::vector<double>& row, int line) {
-               if (!table.empty() && row[0] <= table.back().first)
-                 throw TableError(line, "time " + number_text(row[0]) + " s is not after that of the row before, " +
-                                            number_text(table.back().first) + " s");
-               table.push_back({row[0], {row[1], row[2], dimension == 3 ? row[3] : 0.0}});
+               table.push_back({rising_time(table, row[0], line), {row[1], row[2], dimension == 3 ? row[3] : 0.0}});
              });
   return table;
 }

@@ -10,7 +10,18 @@
 namespace embacle::mps {
 
 /// What a number of a scene measures. `plain` has no unit.
-enum class Quantity { plain, length, time, speed, acceleration, density, kinematic_viscosity, pressure, angle };
+enum class Quantity {
+  plain,
+  length,
+  time,
+  speed,
+  acceleration,
+  density,
+  kinematic_viscosity,
+  pressure,
+  angle,
+  angular_speed
+};
 
 /// Exponents of metre, kilogram, second and radian.
 struct Dimension {

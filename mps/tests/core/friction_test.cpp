@@ -161,7 +161,9 @@ TEST(Friction, DistancesAreAlongTheNormal) {
   scene.walls.push_back(pole);
   const Walls walls(scene, 2, 3);
   const auto distances = [&](int wall, int side, Vec3d moved, Vec3d point, Vec3d water) {
-    return walls.distances(wall, side, moved, point.data(), water.data(), Periodic{});
+    Pose pose;
+    pose.moved = moved;
+    return walls.distances(wall, side, pose, point.data(), water.data(), Periodic{});
   };
   const auto expect = [](const Walls::Distances& d, double point, double water) {
     EXPECT_NEAR(d.point, point, 1e-14);

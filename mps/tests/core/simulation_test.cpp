@@ -1,6 +1,8 @@
 // The whole time step: rest, conservation, symmetry, and the same result on any number of ranks.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 
 #include "core/filling.hpp"
@@ -471,6 +473,123 @@ TEST(Walls, AGateMovesAsPrescribed) {
   table.table = {{0.0, {0, 0, 0}}, {1.0, {0, 0, 1}}, {2.0, {0, 0, 5}}};
   EXPECT_NEAR(displacement(table, 1.5)[2], 3.0, 1e-15);
   EXPECT_NEAR(displacement(table, 9.0)[2], 5.0, 1e-15);
+}
+
+/// What was at x at time zero, by another way than the program's.
+Eigen::Vector3d placed(const Motion& motion, const Vec3d& moved, double angle, const Vec3d& x) {
+  const Eigen::Map<const Eigen::Vector3d> axis(motion.axis.data()), pivot(motion.pivot.data()), start(x.data()),
+      shift(moved.data());
+  return pivot + shift + Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)) * (start - pivot);
+}
+
+TEST(Walls, AFlapMovesFromItsTablesAsABruteForceSays) {
+  for (const int dimension : {2, 3}) {
+    Scene scene = test::still_tank(dimension, 12);
+    scene.walls.front().region.upper[0] = 0.3;
+    Wall flap;
+    flap.name = "flap";
+    flap.region.lower = {0.13, 0, 0};
+    flap.region.upper = {0.17, 0.12, dimension == 3 ? 0.12 : 0.0};
+    Motion& motion = flap.motion.emplace();
+    motion.angle_table = {{0, 0}, {0.01, -0.1}, {0.05, 0.3}};
+    motion.table = {{0, {}}, {0.03, {-0.02, 0.01, 0}}};
+    motion.pivot = {0.15, -0.01, 0.06};
+    if (dimension == 3) motion.axis = {0.6, 0, 0.8};
+    scene.walls.push_back(flap);
+    Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+    run(simulation, 45);
+    const std::vector<Walls::Point> tank = simulation.walls().points(0), points = simulation.walls().points(1);
+    const auto at = [&](double time, const Vec3d& x) {
+      const double angle = time < 0.01 ? -10 * time : -0.1 + 10 * (time - 0.01), share = time / 0.03;
+      return placed(motion, {-0.02 * share, 0.01 * share, 0}, angle, x);
+    };
+    const double time = simulation.time(), step = simulation.constants().step;
+    ASSERT_GT(time, 0.01);
+    ASSERT_LT(time, 0.03);
+    int found = 0;
+    const Particles& particles = simulation.particles();
+    for (std::size_t j = particles.water; j < particles.own(); ++j) {
+      if (particles.identity[j].owner != 1) continue;
+      ++found;
+      const Vec3d& start = points[particles.identity[j].id - static_cast<std::int64_t>(tank.size())].x;
+      const Eigen::Vector3d expected = at(time, start), before = at(time - step, start);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(particles.record[j].x[c], expected[c], 1e-13);
+        EXPECT_NEAR(particles.record[j].v[c], (expected[c] - before[c]) / step, 1e-9);
+      }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+    EXPECT_GT(found, 20);
+    EXPECT_EQ(measure(simulation, scene).outside_tank, 0);
+  }
+}
+
+TEST(Walls, AccelerationIsTheSecondDerivativeOfThePlace) {
+  Motion motion;
+  motion.interpolation = Interpolation::cubic;
+  motion.table = {{0, {}}, {0.3, {0.1, 0, -0.2}}, {0.5, {0.4, 0.1, 0}}, {1.1, {0, -0.1, 0.1}}};
+  motion.angle_table = {{0, 0}, {0.2, 0.4}, {0.7, -0.3}, {1, 0.1}};
+  motion.pivot = {1, 2, 3};
+  motion.axis = {2.0 / 3, -1.0 / 3, 2.0 / 3};
+  const Course smooth(motion);
+  for (const auto& [time, row] : motion.table) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(smooth.pose(time).moved[c], row[c], 1e-15);
+  }
+  Motion wheel = motion;
+  wheel.table.clear();
+  wheel.angle_table.clear();
+  wheel.angular_velocity = 2;
+  for (const Course& course : {smooth, Course(wheel)}) {
+    ASSERT_TRUE(course.accelerates());
+    const Vec3d start{1.5, 2.2, 2.1};
+    const double h = 1e-4;
+    for (const double time : {0.05, 0.25, 0.4, 0.65, 0.9}) {
+      const Vec3d a = course.pose(time - h).place(start), b = course.pose(time).place(start),
+                  c = course.pose(time + h).place(start), back = course.pose(time).zero(b);
+      const Vec3d found = course.acceleration(time, b.data());
+      for (int d = 0; d < 3; ++d) {
+        EXPECT_NEAR(found[d], (a[d] - 2 * b[d] + c[d]) / (h * h), 1e-4);
+        EXPECT_NEAR(back[d], start[d], 1e-14);
+      }
+    }
+  }
+  EXPECT_NEAR(smooth.pose(1e-5).moved[0], 0, 1e-8) << "begins at rest";
+  motion.interpolation = Interpolation::linear;
+  motion.angle_table.clear();
+  EXPECT_FALSE(Course(motion).accelerates()) << "straight lines stay as they were";
+}
+
+TEST(Walls, ATankThatTurnsHoldsItsWater) {
+  for (const int dimension : {2, 3}) {
+    Scene scene = test::still_tank(dimension, dimension == 2 ? 12 : 8);
+    scene.walls.front().open.clear();
+    const double size = scene.water.front().region.upper[0];
+    Motion& motion = scene.walls.front().motion.emplace();
+    motion.angular_velocity = 8;
+    motion.pivot = {0.5 * size, 0.2 * size, 0.5 * size};
+    if (dimension == 3) motion.axis = {0, 1, 0};
+    Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+    run(simulation, dimension == 2 ? 900 : 300);
+    EXPECT_GT(8 * simulation.time(), dimension == 2 ? 1.5 : 0.5);
+    const WaterState state = measure(simulation, scene);
+    EXPECT_EQ(state.outside_tank, 0) << state.farthest_outside_tank;
+    EXPECT_LT(std::abs(state.volume_ratio - 1), 0.05);
+  }
+}
+
+TEST(Walls, ADryWallThatTurnsIntoTheWaterIsNoticed) {
+  Scene scene = test::still_tank(2, 12);
+  Wall flap;
+  flap.name = "flap";
+  flap.region.lower = {0.04, 0.16, 0};
+  flap.region.upper = {0.3, 0.2, 0};
+  Motion& motion = flap.motion.emplace();
+  motion.angular_velocity = 4;  // its far end comes down
+  motion.pivot = {0.3, 0.18, 0};
+  scene.walls.push_back(flap);
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  run(simulation, static_cast<int>(0.06 / simulation.constants().step));
+  EXPECT_GT(measure(simulation, scene).energy.kinetic, 1e-2);
 }
 
 }  // namespace

@@ -33,6 +33,49 @@ TEST_F(SceneFile, MotionTablesAreReadStrictly) {
   EXPECT_EQ(read_scene(scene(full_)).walls[2].motion->table, (MotionTable{{0, {1, 2, 3}}}));
 }
 
+TEST_F(SceneFile, AngleTablesAreReadStrictly) {
+  const std::pair<std::string, const char*> mistakes[] = {
+      {"t [s], angle [m]\n0, 0\n",
+       "flap.csv:1: wall.flap.motion.angle_table: column 'angle [m]': '1 m' is a length [m], "
+       "expected an angle"},
+      {"t, x, y\n0, 0, 0\n",
+       "flap.csv:1: wall.flap.motion.angle_table: the header is 't, x, y'; allowed: t [s], angle"},
+      {"t, angle\n1, 0\n1, 1\n",
+       "flap.csv:3: wall.flap.motion.angle_table: time 1 s is not after that of the row before"},
+  };
+  for (const auto& [text, expected] : mistakes) {
+    write(folder_ / "flap.csv", text);
+    EXPECT_HAS(error(full_), expected);
+  }
+  write(folder_ / "flap.csv", "t [ms], angle [rad]\n500, 2\n");
+  EXPECT_EQ(read_scene(scene(full_)).walls[7].motion->angle_table, (AngleTable{{0.5, 2}}));
+}
+
+TEST_F(SceneFile, TurnsHaveRules) {
+  const std::tuple<const char*, const char*, const char*> mistakes[] = {
+      {"angle_table = \"flap.csv\"", "angle_table = \"flap.csv\"\nangular_velocity = 1",
+       "wall.flap.motion.angle_table: a turn has either an angle_table or an angular_velocity, not both"},
+      {"angle_table = \"flap.csv\"", "angle_table = \"flap.csv\"\nstop = 1",
+       "wall.flap.motion.stop: belongs to a motion by velocity"},
+      {"angle_table = \"flap.csv\"\n", "velocity = [1, 0, 0]\n", "wall.flap.motion.axis: is of a turn"},
+      {"angle_table = \"flap.csv\"\n", "surface_velocity = [1, 0, 0]\nangle_table = \"flap.csv\"\n",
+       "wall.flap.motion.surface_velocity: belongs to a wall that stays where it is; leave out the turn"},
+      {"pivot = [\"22.5 cm\", 0, 0]\n", "",
+       "wall.flap.motion.angle_table: the key 'pivot' is required for a wall that"},
+      {"axis = [0, 2, 0]", "axis = [0, 0, 0]", "wall.flap.motion.axis: must not be zero"},
+      {"stop = \"0.7 s\"", "interpolation = \"cubic\"", "wall.gate.motion.interpolation: is of tables"},
+      {"stop = \"0.7 s\"", "angular_velocity = 1\npivot = [0.5, 0, 0]",
+       "wall.gate.motion.angular_velocity: in x the wall is thinner (0.01 m) than the support (0.0155 m)"},
+  };
+  for (const auto& [from, to, expected] : mistakes) EXPECT_HAS(error_with(from, to), expected);
+  const std::string flat =
+      flat_ + "[[wall]]\nname='w'\nlower=[0.2,0]\nupper=[0.3,1]\n[wall.motion]\nangular_velocity=1\n";
+  EXPECT_EQ(error(flat + "pivot=[0,0]"), "");
+  EXPECT_HAS(error(flat + "pivot=[0,0]\naxis=[0,1]"), "wall.w.motion.axis: only for 3-D scenes; leave it out");
+  EXPECT_HAS(error(flat + "pivot=[0,0]", {"domain.periodic=[\"x\"]"}),
+             "wall.w.motion.angular_velocity: the domain is periodic in x, where a wall cannot turn");
+}
+
 TEST_F(SceneFile, WaterTablesAreReadStrictly) {
   const std::string header = "x [m], y [m], z [m], vx [m/s], vy [m/s], vz [m/s], p [Pa]\n";
   const std::pair<std::string, const char*> mistakes[] = {

@@ -43,7 +43,7 @@ TEST(Units, EveryListedUnitAndExampleIsAccepted) {
   const ParameterLookup none = [](const std::string&) { return Number{}; };
   for (const Quantity quantity :
        {Quantity::plain, Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::density,
-        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle}) {
+        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::angular_speed}) {
     std::vector<std::string> texts{std::string(example_of(quantity))};
     std::istringstream units{std::string(usual_units(quantity))};
     for (std::string unit; std::getline(units >> std::ws, unit, ',');) texts.push_back("1 " + unit);
@@ -103,7 +103,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(table.rows[1].line, 3);
   EXPECT_NEAR(s.water[1].region.lower[0], 0.7 - 0.0025, 1e-15);
   EXPECT_NEAR(s.water[1].region.upper[0], 0.705 + 0.0025, 1e-15);
-  ASSERT_EQ(s.walls.size(), 7U);
+  ASSERT_EQ(s.walls.size(), 8U);
   const Form& pillar = s.walls[4].form;
   EXPECT_EQ(s.walls[4].kind, Wall::Kind::cylinder);
   EXPECT_EQ(pillar.kind, Form::Kind::cylinder);
@@ -133,6 +133,15 @@ TEST(Read, FullScene) {
   EXPECT_EQ(s.walls[1].motion->start, 0.1);
   EXPECT_EQ(s.walls[1].motion->stop, 0.7);
   EXPECT_EQ(s.walls[2].motion.value().table, (MotionTable{{0, {0, 0, 0}}, {0.5, {-0.02, 0, 0}}, {1, {0, 0, 0}}}));
+  EXPECT_NEAR(s.walls[4].motion.value().angular_velocity, std::acos(-1) / 6, 1e-15);
+  EXPECT_EQ(s.walls[4].motion->pivot, (Vec3d{1.2, 0.25, 0}));
+  EXPECT_EQ(s.walls[4].motion->interpolation, Interpolation::linear);
+  const Motion& flap = s.walls[7].motion.value();
+  ASSERT_EQ(flap.angle_table.size(), 3U);
+  EXPECT_NEAR(flap.angle_table[1].second, std::acos(-1) / 20, 1e-15);
+  EXPECT_EQ(flap.axis, (Vec3d{0, 1, 0})) << "a unit vector";
+  EXPECT_EQ(flap.interpolation, Interpolation::cubic);
+  EXPECT_TRUE(flap.moves());
   ASSERT_EQ(s.gauges.size(), 2U);
   EXPECT_EQ(s.gauges[0].kind, GaugeKind::level);
   EXPECT_EQ(s.gauges[0].position, (Vec3d{0.25 + 0.05, 0.25, 0}));
@@ -320,7 +329,8 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
        "wall.gate.motion.table: a motion has either a table or a velocity, of the wall or of its surface, not both"},
       {"stop = \"0.7 s\"", "surface_velocity = [0, 0, 1]",
        "wall.gate.motion.surface_velocity: a motion has either a table or a velocity, of the wall or of its surface"},
-      {"table = \"paddle.csv\"", "", "wall.paddle.motion: needs a velocity, a surface_velocity or a table"},
+      {"table = \"paddle.csv\"", "",
+       "wall.paddle.motion: needs a velocity, a surface_velocity or a table, or an angular_velocity"},
       {"slip = false", "slip = 1", "wall.tank.slip: found number 1; allowed: true or false"},
       {"kinematic_viscosity = \"1e-6 m2/s\"", "",
        "wall.tank.slip: needs a viscosity, and fluid.kinematic_viscosity is zero"},
