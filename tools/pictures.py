@@ -16,8 +16,9 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.patches import Ellipse, Polygon, Rectangle
+from matplotlib.transforms import Affine2D
 
-from run_folder import Bodies, Frames, RunFolderError, body_names, program, read_shapes, up_axis, wall_box
+from run_folder import Bodies, Frames, RunFolderError, body_names, program, read_shapes, up_axis, wall_angle, wall_box
 
 WATER = LinearSegmentedColormap.from_list("water", ["#14467f", "#1f6fb2", "#4aa1d2", "#8dcde0", "#d0ebd6", "#fae48f"])
 ICE, EDGE, GATE = np.array([0.97, 0.955, 0.92]), "#3b2f20", "#6e6e6e"
@@ -198,9 +199,20 @@ def wall_patch(wall, view, lower, upper, time):
     return Rectangle(lower[:2], *(upper - lower)[:2], **look)
 
 
+def wall_turn(wall, view, time):
+    """The turn of a wall as it looks along its axis; from aside its box stays as it is."""
+    along = view.axes[2] @ np.array(wall.get("turn_axis", [0, 0, 0]), dtype=float)
+    if abs(along) < 0.5:
+        return Affine2D()
+    moved = wall_box(wall, time)[0] - np.array(wall["lower"], dtype=float)
+    pivot = view(np.array(wall["pivot"], dtype=float) + moved)
+    return Affine2D().rotate_around(pivot[0], pivot[1], np.sign(along) * wall_angle(wall, time))
+
+
 def draw_walls(axes, scene, view, time):
     for wall in scene.shapes.get("walls", []):
         lower, upper = view.box(*wall_box(wall, time))
+        turn = wall_turn(wall, view, time) + axes.transData
         if wall["kind"] == "tank":
             axis = int(np.argmax(np.abs(view.axes[1])))
             top = "xyz"[axis] + ("+" if view.axes[1][axis] > 0 else "-")
@@ -208,9 +220,12 @@ def draw_walls(axes, scene, view, time):
             x, y = [lower[0], lower[0], upper[0], upper[0]], [upper[1], lower[1], lower[1], upper[1]]
             if not top_open:
                 x, y = x + [lower[0]], y + [upper[1]]
-            axes.plot(x, y, color="#222222", linewidth=1.4, solid_joinstyle="miter", zorder=9500)
+            axes.plot(x, y, color="#222222", linewidth=1.4, solid_joinstyle="miter", zorder=9500,
+                      transform=turn)
         else:
-            axes.add_patch(wall_patch(wall, view, lower, upper, time))
+            patch = wall_patch(wall, view, lower, upper, time)
+            patch.set_transform(turn)
+            axes.add_patch(patch)
 
 
 def frame_axes(axes, scene, view):

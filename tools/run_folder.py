@@ -131,8 +131,18 @@ def up_axis(shapes):
     return axis, float(-np.sign(gravity[axis]))
 
 
+def wall_angle(wall, time):
+    """Angle [rad] by which a wall has turned about its axis."""
+    if wall.get("angles"):
+        table = np.array([line["row"] for line in wall["angles"]], dtype=float)
+        return float(np.interp(time, table[:, 0], table[:, 1]))
+    start = wall.get("start") or 0.0
+    until = time if wall.get("stop") is None else min(time, wall["stop"])
+    return wall.get("angular_velocity", 0.0) * max(until - start, 0.0)
+
+
 def wall_box(wall, time):
-    """Lower and upper corner [m] of a wall at a time, after its motion."""
+    """Lower and upper corner [m] of a wall at a time, displaced but not turned."""
     moved = np.zeros(3)
     start, stop = wall.get("start") or 0.0, wall.get("stop")
     if wall.get("table"):

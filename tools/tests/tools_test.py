@@ -99,6 +99,15 @@ class ReadingTest(RunTest):
         for time, height in [(0.2, 0), (0.75, 0.5), (3, 1)]:
             self.assertAlmostEqual(run_folder.wall_box(wall, time)[0][2], height)
 
+    def test_wall_turns_about_its_displaced_pivot(self):
+        wall = {"lower": [1, 0, 0], "upper": [2, 1, 0], "velocity": [1, 0, 0], "start": 0.5, "stop": 1.5, "pivot": [1, 0, 0],
+                "turn_axis": [0, 0, 1], "angular_velocity": np.pi / 2}
+        view = pictures.View([1, 0, 0], [0, 1, 0])
+        np.testing.assert_allclose(pictures.wall_turn(wall, view, 9.0).transform([3, 1]), [1, 1], atol=1e-12)
+        self.assertAlmostEqual(run_folder.wall_angle(wall, 1.0), np.pi / 4)
+        wall["angles"] = [{"row": [0, 0]}, {"row": [2, -1]}]
+        self.assertAlmostEqual(run_folder.wall_angle(wall, 1.0), -0.5)
+
     def test_rotation_turns_counter_clockwise(self):
         quarter = run_folder.rotation(np.array([np.sqrt(0.5), 0, 0, np.sqrt(0.5)]))
         np.testing.assert_allclose(quarter @ [1, 0, 0], [0, 1, 0], atol=1e-12)

@@ -222,6 +222,13 @@ void Recorder::write_stage() const {
     for (const auto& [time, moved] : motion.table) {
       entry.append("table").set("row", Json::Array{time, moved[0], moved[1], moved[2]});
     }
+    if (!motion.turns()) continue;
+    entry.set("pivot", Json::Array{motion.pivot[0], motion.pivot[1], motion.pivot[2]});
+    entry.set("turn_axis", Json::Array{motion.axis[0], motion.axis[1], motion.axis[2]});
+    entry.set("angular_velocity", motion.angular_velocity);
+    for (const auto& [time, angle] : motion.angle_table) {
+      entry.append("angles").set("row", Json::Array{time, angle});
+    }
   }
   if (simulation_.bodies() != nullptr) {
     for (const auto& shape : simulation_.bodies()->shapes()) {
