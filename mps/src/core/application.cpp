@@ -218,6 +218,8 @@ std::string explain_report(const Scene& scene) {
   module(scene.fluid.kinematic_viscosity > 0, "viscosity, no slip", "in the force sweep");
   module(c.smagorinsky > 0, "turbulence (Smagorinsky)", "two sweeps over pairs of water, a message a step");
   module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
+  module(c.central_force > 0, "central force",
+         n.density_diffusion > 0 ? "a pass over the water and a sweep over its pairs" : "a pass over the water");
   module(solids,
          n.wall_pressure == WallPressure::continuity      ? "walls: pressure by continuity"
          : n.wall_pressure == WallPressure::zero_gradient ? "walls: mean pressure of the water"

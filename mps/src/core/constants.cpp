@@ -30,6 +30,21 @@ double turning_speed(const Wall& wall, int dimension) {
   return rate * arm;
 }
 
+/// Of a corner of the water at the start from the centre of the central force [m].
+double farthest_from_centre(const Scene& scene) {
+  double farthest = 0;
+  for (const Water& water : scene.water) {
+    double square = 0;
+    for (int c = 0; c < scene.dimension; ++c) {
+      const double centre = scene.fluid.central_force_centre[c];
+      square +=
+          std::pow(std::max(std::abs(water.region.lower[c] - centre), std::abs(water.region.upper[c] - centre)), 2);
+    }
+    farthest = std::max(farthest, std::sqrt(square));
+  }
+  return farthest;
+}
+
 }  // namespace
 
 double reference_speed(const Scene& scene) {
@@ -79,6 +94,7 @@ double reference_speed(const Scene& scene) {
     }
     fastest = std::max(fastest, turning_speed(wall, scene.dimension));
   }
+  fastest = std::max(fastest, std::sqrt(scene.fluid.central_force) * farthest_from_centre(scene));
   const double head = highest > lowest ? std::sqrt(2 * gravity * (highest - lowest)) : 0;
   const double result = std::max(head, fastest);
   if (result > 0) return result;
@@ -112,6 +128,8 @@ Constants constants_of(const Scene& scene) {
   for (int k = 0; k < 3; ++k) c.gravity[k] = scene.fluid.gravity[k];
   for (int k = 0; k < 3; ++k) c.static_gravity[k] = scene.static_gravity()[k];
   if (scene.numerics.diffusion == Diffusion::dynamic) std::copy_n(c.static_gravity, 3, c.diffusion_gravity);
+  c.central_force = scene.fluid.central_force;
+  for (int k = 0; k < 3; ++k) c.centre[k] = scene.fluid.central_force_centre[k];
   c.periodic = periodic_of(scene);
   c.reference_speed = reference_speed(scene);
   c.sound_speed = scene.numerics.sound_speed > 0 ? scene.numerics.sound_speed : 10 * c.reference_speed;
@@ -122,7 +140,8 @@ Constants constants_of(const Scene& scene) {
   c.cfl = scene.numerics.cfl;
   const double weight =
       std::sqrt(c.gravity[0] * c.gravity[0] + c.gravity[1] * c.gravity[1] + c.gravity[2] * c.gravity[2]);
-  std::tie(c.step, c.step_limit) = longest_step(c, {c.reference_speed, 0, weight});
+  const double central = c.central_force > 0 ? c.central_force * farthest_from_centre(scene) : 0;
+  std::tie(c.step, c.step_limit) = longest_step(c, {c.reference_speed, 0, weight + central});
   c.lattice = c.kernel == KernelKind::wendland
                   ? lattice_sums<KernelKind::wendland>(c.dimension, c.particle_distance, c.support)
                   : lattice_sums<KernelKind::rational>(c.dimension, c.particle_distance, c.support);

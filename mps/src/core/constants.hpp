@@ -34,7 +34,8 @@ struct Constants {
   double static_gravity[3] = {};  ///< the part that pressure can balance: not along periodic directions [m/s^2]
   /// Gravity whose hydrostatic density the density diffusion leaves alone; zero: none [m/s^2].
   double diffusion_gravity[3] = {};
-
+  double central_force = 0;      ///< k of the acceleration -k (x - centre) [1/s^2]
+  double centre[3] = {0, 0, 0};  ///< of the central force [m]
   Periodic periodic;
   double gradient_factor = 0;       ///< d/n0
   double laplacian_factor = 0;      ///< 2 d/(lambda n0)
@@ -66,6 +67,13 @@ struct Motions {
 [[nodiscard]] std::pair<double, StepLimit> longest_step(const Constants& constants, const Motions& motions);
 
 [[nodiscard]] Constants constants_of(const Scene& scene);
+
+/// Potential [m^2/s^2] of the central force at a place, zero at its centre.
+inline double central_potential(const Constants& c, const double* x) {
+  double square = 0;
+  for (int k = 0; k < c.dimension; ++k) square += (x[k] - c.centre[k]) * (x[k] - c.centre[k]);
+  return 0.5 * c.central_force * square;
+}
 
 /// Pressure [Pa] of the Tait equation of state (thesis eq 5.17, gamma = 7) and its inverse.
 inline double pressure_of(double s, const Constants& c) {

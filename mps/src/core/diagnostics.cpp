@@ -114,6 +114,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
       sums[2] -= m * c.static_gravity[d] * record.x[d];
       sums[4 + d] += m * record.v[d];
     }
+    if (c.central_force > 0) sums[2] += m * central_potential(c, record.x);
     // Elastic energy of the Tait fluid: m INT p/(rho0 s^2) ds.
     sums[3] += m * tait * (std::pow(record.s, 6) / 6.0 - 1.0 / 6.0 + 1.0 / record.s - 1.0);
     const Arrangement around = arrangement_of(simulation, i);
@@ -197,6 +198,7 @@ double pressure_at(const Simulation& simulation, const Gauge& gauge) {
     }
     const double rest = 1 - std::sqrt(square) / c.support;
     if (rest <= 0) continue;
+    if (c.central_force > 0) head -= central_potential(c, gauge.position.data()) - central_potential(c, record.x);
     sums[0] += rest * rest * rest;
     sums[1] += rest * rest * rest * (record.p + c.density * head);
   }

@@ -9,9 +9,10 @@
 namespace embacle::mps {
 
 struct Energies {
-  double kinetic = 0;    ///< [J]
-  double potential = 0;  ///< of the gravity that pressure can balance [J], zero at the origin
-  double elastic = 0;    ///< of compression [J]
+  double kinetic = 0;  ///< [J]
+  /// Of the gravity that pressure can balance, zero at the origin, and of the central force, zero at its centre [J].
+  double potential = 0;
+  double elastic = 0;  ///< of compression [J]
   [[nodiscard]] double total() const { return kinetic + potential + elastic; }
 };
 

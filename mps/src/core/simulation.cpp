@@ -39,6 +39,7 @@ void Simulation::step(double share_of_window) {
     } else {
       advance_density(particles_, neighbours_, constants_);
     }
+    if (central_force_) central_force_->correct_density(particles_, neighbours_);
   }
   evaluate_forces(time_ + constants_.step);
   integrate_velocities();
@@ -275,15 +276,31 @@ std::vector<Traveller> Simulation::wall_points_near_water(double time) {
   return result;
 }
 
-/// Accelerations of the wet points of walls beside those of bodies.
-void Simulation::accelerate_wall_points(double time) {
+/// The central force beside gravity in the extrapolation to walls (scenes that have it have no bodies).
+void Simulation::relieve_wall_points() {
+  if (!walls_.any_accelerates()) point_acceleration_.assign(neighbours_.wet_points().size(), Triple{});
+  central_force_->relieve_points(particles_, neighbours_, point_acceleration_);
+}
+
+/// What the extrapolation takes off gravity at the wet points; empty: nothing.
+void Simulation::accelerate_points(double time) {
   const auto& wet = neighbours_.wet_points();
-  if (!bodies_) point_acceleration_.assign(wet.size(), Triple{});
-  for (std::size_t k = 0; k < wet.size(); ++k) {
+  point_acceleration_.clear();
+  if (scene_.numerics.wall_pressure == WallPressure::zero_gradient) {  // as if they fell freely
+    point_acceleration_.assign(wet.size(), std::to_array(constants_.static_gravity));
+    return;
+  }
+  if (bodies_) {
+    bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
+  } else if (walls_.any_accelerates() || central_force_) {
+    point_acceleration_.assign(wet.size(), Triple{});
+  }
+  for (std::size_t k = 0; walls_.any_accelerates() && k < wet.size(); ++k) {
     const int owner = particles_.identity[wet[k]].owner;
     if (owner < walls_.count() && walls_.course(owner).accelerates())
       point_acceleration_[k] = walls_.course(owner).acceleration(time, particles_.record[wet[k]].x);
   }
+  if (central_force_) central_force_->relieve_points(particles_, neighbours_, point_acceleration_);
 }
 
 /// What needs no ghosts is done while the exchanges are on their way.
@@ -300,12 +317,7 @@ void Simulation::evaluate_forces(double time) {
     const Timer timer(phases_, Phase::forces);
     accelerate(particles_, neighbours_, constants_, acceleration_, reaction_, part);
   };
-  if (scene_.numerics.wall_pressure == WallPressure::zero_gradient) {  // as if they fell freely
-    point_acceleration_.assign(neighbours_.wet_points().size(), std::to_array(constants_.static_gravity));
-  } else if (bodies_) {
-    bodies_->point_accelerations(particles_, neighbours_, point_acceleration_);
-  }
-  if (walls_.any_accelerates()) accelerate_wall_points(time);
+  accelerate_points(time);
   timed(Phase::halo, [&] { halo_.start_water_state(particles_); });
   if (!wall_density_) extrapolate(Part::inner);
   timed(Phase::halo, [&] { halo_.finish(); });
@@ -325,6 +337,7 @@ void Simulation::evaluate_forces(double time) {
   timed(Phase::forces, [&] {
     if (turbulence_) turbulence_->apply(particles_, neighbours_, halo_, acceleration_);
     friction_.apply(particles_, neighbours_, time, acceleration_, reaction_);
+    if (central_force_) central_force_->accelerate(particles_, acceleration_);
     reaction_.join();
   });
   const Timer timer(phases_, Phase::bodies);
@@ -383,6 +396,10 @@ void Simulation::integrate_velocities() {
     for (const Triple& a : acceleration_) {
       for (int c = 0; c < 3; ++c) window_momentum_change_[c] += constants_.particle_mass * constants_.step * a[c];
     }
+    for (std::size_t i = 0; central_force_ && i < particles_.water; ++i) {
+      const Triple a = central_force_->at(particles_.record[i].x);
+      for (int c = 0; c < 3; ++c) window_momentum_change_[c] -= constants_.particle_mass * constants_.step * a[c];
+    }
     // Reaction on everything solid: on walls by their points and by the guard, on bodies by their loads.
     for (std::size_t j = particles_.water; j < particles_.all(); ++j) {
       if (particles_.is_water(j) || particles_.identity[j].owner >= walls_.count()) continue;
@@ -427,6 +444,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   if (shifts(scene.numerics.regularisation)) corrections_.emplace(constants_);
   if (scene.numerics.wall_pressure == WallPressure::continuity) wall_density_.emplace(constants_);
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
+  if (constants_.central_force > 0) central_force_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
   if (restart != nullptr) {
     restore(*restart);

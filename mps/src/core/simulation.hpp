@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/bodies.hpp"
+#include "core/central_force.hpp"
 #include "core/constants.hpp"
 #include "core/corrections.hpp"
 #include "core/decomposition.hpp"
@@ -125,7 +126,7 @@ class Simulation {
   [[nodiscard]] std::vector<Traveller> own_water() const;
   void adopt_walls(const std::vector<Traveller>& points);
   void place_wall_points(double time);
-  void accelerate_wall_points(double time);
+  void accelerate_points(double time);
   [[nodiscard]] Record place_of(const WallPoint& point) const;
   void migrate_wall_points(double reach);
   [[nodiscard]] std::vector<Traveller> wall_points_near_water(double time);
@@ -153,6 +154,7 @@ class Simulation {
   std::optional<Corrections> corrections_;
   std::optional<Turbulence> turbulence_;
   std::optional<SurfaceLoads> surface_loads_;
+  std::optional<CentralForce> central_force_;
   int steps_per_window_ = 1;
 
   std::vector<Record> start_;  ///< own particles at the start of a step of step_symplectic()

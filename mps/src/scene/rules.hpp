@@ -44,6 +44,7 @@ class Rules {
     if (scene_.dimension == 3 && context_.given("domain.thickness"))
       context_.report({"domain.thickness"}, "only for 2-D scenes; leave it out or set dimension = 2");
     check_numerics();
+    check_central_force();
     check_periodic();
     each("water", scene_.water, [this](const std::string& path, const Water& water) { check_water(path, water); });
     each("wall", scene_.walls, [this](const std::string& path, const Wall& wall) { check_wall(path, wall); });
@@ -145,6 +146,18 @@ class Rules {
     refuse(n.wall_pressure == WallPressure::continuity, "numerics.wall_pressure",
            "does not go with wall_pressure = \"continuity\"; allowed: leapfrog");
     refuse(n.skin < 0.1, "numerics.skin", "needs a skin of at least 0.1");
+  }
+
+  /// It acts on the water alone, and not along directions without a place of their own.
+  void check_central_force() {
+    const std::string path = "fluid.central_force";
+    if (context_.given(path + "_centre") && !context_.given(path))
+      context_.report({path + "_centre"}, "is of a central_force, and there is none; leave it out");
+    if (scene_.fluid.central_force == 0) return;
+    if (!scene_.periodic.empty())
+      context_.report({path, "domain.periodic"}, "is not possible in a periodic domain; leave out one");
+    if (scene_.coupled())
+      context_.report({path, "coupling.script"}, "acts on the water only, and the scene has solids; leave out one");
   }
 
   /// Lengths of 1e-6 particle distances are rounding.

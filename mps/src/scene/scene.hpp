@@ -189,6 +189,8 @@ struct Fluid {
   double density = 1000;           ///< [kg/m^3]
   double kinematic_viscosity = 0;  ///< [m^2/s]; 0 leaves the viscous term out
   Vec3d gravity{0, 0, -9.81};      ///< [m/s^2]; in 2-D {0, -9.81, 0}
+  double central_force = 0;        ///< k of the acceleration -k (x - centre) [1/s^2]; 0 leaves it out
+  Vec3d central_force_centre{};    ///< [m]
 };
 
 struct Numerics {

@@ -97,23 +97,32 @@ Schema make_schema() {
            [](Scene& x) -> Target { return &x.thickness; }},
       },
       {}};
-  s.fluid = {"fluid",
-             "The liquid.",
-             {
-                 {{.name = "density", .meaning = "density at rest", .quantity = Q::density, .range = positive},
-                  [](Fluid& x) -> Target { return &x.density; }},
-                 {{.name = "kinematic_viscosity",
-                   .meaning = "kinematic viscosity; 0 leaves the viscous term out (water at 20 °C: 1e-6 m2/s)",
-                   .quantity = Q::kinematic_viscosity,
-                   .range = not_negative},
-                  [](Fluid& x) -> Target { return &x.kinematic_viscosity; }},
-                 {{.name = "gravity",
-                   .meaning = "acceleration of gravity",
-                   .quantity = Q::acceleration,
-                   .default_text = "[0, 0, -9.81]; in 2-D [0, -9.81]"},
-                  [](Fluid& x) -> Target { return &x.gravity; }},
-             },
-             {}};
+  s.fluid = {
+      "fluid",
+      "The liquid.",
+      {
+          {{.name = "density", .meaning = "density at rest", .quantity = Q::density, .range = positive},
+           [](Fluid& x) -> Target { return &x.density; }},
+          {{.name = "kinematic_viscosity",
+            .meaning = "kinematic viscosity; 0 leaves the viscous term out (water at 20 °C: 1e-6 m2/s)",
+            .quantity = Q::kinematic_viscosity,
+            .range = not_negative},
+           [](Fluid& x) -> Target { return &x.kinematic_viscosity; }},
+          {{.name = "gravity",
+            .meaning = "acceleration of gravity",
+            .quantity = Q::acceleration,
+            .default_text = "[0, 0, -9.81]; in 2-D [0, -9.81]"},
+           [](Fluid& x) -> Target { return &x.gravity; }},
+          {{.name = "central_force",
+            .meaning = "k of an acceleration -k (x - `central_force_centre`) of the water beside gravity; 0 leaves "
+                       "it out. The pressure at the start does not know of it: give it in a table",
+            .quantity = Q::acceleration_per_length,
+            .range = not_negative},
+           [](Fluid& x) -> Target { return &x.central_force; }},
+          {{.name = "central_force_centre", .meaning = "centre of that force", .quantity = Q::length},
+           [](Fluid& x) -> Target { return &x.central_force_centre; }},
+      },
+      {}};
   s.numerics = {"numerics",
                 "Resolution and the coefficients of the method. Only `particle_distance` has to be chosen. l0 is the "
                 "particle distance.",
@@ -574,9 +583,9 @@ Paths in the file are relative to its folder.
 | quantity | SI unit | for example | units |
 |---|---|---|---|
 )";
-  for (const Quantity quantity :
-       {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::density,
-        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::angular_speed, Quantity::plain}) {
+  for (const Quantity quantity : {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration,
+                                  Quantity::density, Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle,
+                                  Quantity::angular_speed, Quantity::acceleration_per_length, Quantity::plain}) {
     const auto cell = [](std::string_view text) { return std::string(text) + " | "; };
     page += "| " + cell(quantity_name(quantity)) + cell(si_unit(quantity)) +
             cell("`\"" + std::string(example_of(quantity)) + "\"`") + std::string(usual_units(quantity)) + " |\n";

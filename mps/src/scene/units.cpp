@@ -20,7 +20,7 @@ struct QuantityEntry {
   std::string_view usual_units;
 };
 
-constexpr std::array<QuantityEntry, 10> quantities{{
+constexpr std::array<QuantityEntry, 11> quantities{{
     {Quantity::plain, {0, 0, 0, 0}, "plain number", "", "50 %", "%"},
     {Quantity::length, {1, 0, 0, 0}, "length", "m", "2 mm", "m, dm, cm, mm, um, km"},
     {Quantity::time, {0, 0, 1, 0}, "time", "s", "20 ms", "s, ms, us, min, h"},
@@ -31,6 +31,7 @@ constexpr std::array<QuantityEntry, 10> quantities{{
     {Quantity::pressure, {-1, 1, -2, 0}, "pressure", "Pa", "1 kPa", "Pa, hPa, kPa, MPa, GPa, mbar, bar, N/m2"},
     {Quantity::angle, {0, 0, 0, 1}, "angle", "rad", "30 deg", "rad, deg"},
     {Quantity::angular_speed, {0, 0, -1, 1}, "angular speed", "rad/s", "10 deg/s", "rad/s, deg/s"},
+    {Quantity::acceleration_per_length, {0, 0, -2, 0}, "acceleration per length", "m/s2/m", "1 m/s2/m", "m/s2/m, Hz2"},
 }};
 
 /// Quantities that no key of a scene takes but that a parameter for the solid side's script may have.

@@ -20,7 +20,8 @@ enum class Quantity {
   kinematic_viscosity,
   pressure,
   angle,
-  angular_speed
+  angular_speed,
+  acceleration_per_length
 };
 
 /// Exponents of metre, kilogram, second and radian.

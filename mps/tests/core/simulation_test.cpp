@@ -592,5 +592,70 @@ TEST(Walls, ADryWallThatTurnsIntoTheWaterIsNoticed) {
   EXPECT_GT(measure(simulation, scene).energy.kinetic, 1e-2);
 }
 
+/// A disc of water in its equilibrium under a central force, as a table.
+Scene central_drop(double radius, Vec3d velocity) {
+  Scene scene = test::still_tank(2, 10);
+  scene.walls.clear();
+  scene.fluid.gravity = {};
+  scene.fluid.central_force = 30;
+  scene.fluid.central_force_centre = {0.2, 0.1, 0};
+  scene.numerics.reference_speed = 1;
+  Water& water = scene.water.front();
+  water.kind = Water::Kind::table;
+  water.table.has_pressure = water.table.has_velocity = true;
+  for (int j = -20; j < 20; ++j) {
+    for (int i = -20; i < 20; ++i) {
+      const double x = (i + 0.5) * 0.01, y = (j + 0.5) * 0.01, square = x * x + y * y;
+      if (square > radius * radius) continue;
+      water.table.rows.push_back({{0.2 + x, 0.1 + y, 0}, velocity, 500 * 30 * (radius * radius - square)});
+    }
+  }
+  return scene;
+}
+
+TEST(CentralForce, TheCentreOfADropSwingsAsAPendulum) {
+  // Pair forces cancel in the sum: the centre of mass obeys the leapfrog of one point, to round-off.
+  Scene scene = central_drop(0.08, {0.3, -0.1, 0});
+  scene.fluid.central_force_centre = {0.15, 0.12, 0};
+  scene.output.audit = true;
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  const double step = simulation.constants().step;
+  run(simulation, 200);
+  double x[2] = {0.2, 0.1}, v[2] = {0.3, -0.1};
+  for (int k = 0; k < 200; ++k) {
+    for (int c = 0; c < 2; ++c) {
+      x[c] += step * v[c];
+      v[c] -= step * 30 * (x[c] - scene.fluid.central_force_centre[c]);
+    }
+  }
+  const Result result = result_of(scene, MPI_COMM_WORLD, 200);
+  double potential = 0;
+  for (std::size_t i = 0; i < simulation.particles().water; ++i) {
+    const double* place = simulation.particles().record[i].x;
+    potential +=
+        15 * simulation.constants().particle_mass * (std::pow(place[0] - 0.15, 2) + std::pow(place[1] - 0.12, 2));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &potential, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_NEAR(result.centre[c], x[c], 1e-12);
+    EXPECT_NEAR(result.state.momentum[c] / result.state.mass, v[c], 1e-11);
+  }
+  EXPECT_NEAR(measure(simulation, scene).energy.potential, potential, 1e-9 * potential);
+}
+
+TEST(CentralForce, ADropAtRestKeepsItsPressureUnderDensityDiffusion) {
+  Scene scene = central_drop(0.1, {});
+  scene.numerics.density_diffusion = 1;
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  const double elastic = [&] {
+    run(simulation, 1);
+    return measure(simulation, scene).energy.elastic;
+  }();
+  run(simulation, 800);
+  const WaterState state = measure(simulation, scene);
+  EXPECT_LT(state.energy.kinetic, 0.02 * state.energy.potential);
+  EXPECT_NEAR(state.energy.elastic, elastic, 0.15 * elastic);
+}
+
 }  // namespace
 }  // namespace embacle::mps

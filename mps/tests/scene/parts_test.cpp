@@ -51,7 +51,7 @@ TEST_F(SceneFile, AngleTablesAreReadStrictly) {
   EXPECT_EQ(read_scene(scene(full_)).walls[7].motion->angle_table, (AngleTable{{0.5, 2}}));
 }
 
-TEST_F(SceneFile, TurnsHaveRules) {
+TEST_F(SceneFile, TurnsAndCentralForcesHaveRules) {
   const std::tuple<const char*, const char*, const char*> mistakes[] = {
       {"angle_table = \"flap.csv\"", "angle_table = \"flap.csv\"\nangular_velocity = 1",
        "wall.flap.motion.angle_table: a turn has either an angle_table or an angular_velocity, not both"},
@@ -66,6 +66,9 @@ TEST_F(SceneFile, TurnsHaveRules) {
       {"stop = \"0.7 s\"", "interpolation = \"cubic\"", "wall.gate.motion.interpolation: is of tables"},
       {"stop = \"0.7 s\"", "angular_velocity = 1\npivot = [0.5, 0, 0]",
        "wall.gate.motion.angular_velocity: in x the wall is thinner (0.01 m) than the support (0.0155 m)"},
+      {"central_force = 0", "central_force = 1",
+       "fluid.central_force: acts on the water only, and the scene has solids"},
+      {"central_force = 0\n", "", "fluid.central_force_centre: is of a central_force, and there is none; leave it out"},
   };
   for (const auto& [from, to, expected] : mistakes) EXPECT_HAS(error_with(from, to), expected);
   const std::string flat =

@@ -43,7 +43,8 @@ TEST(Units, EveryListedUnitAndExampleIsAccepted) {
   const ParameterLookup none = [](const std::string&) { return Number{}; };
   for (const Quantity quantity :
        {Quantity::plain, Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::density,
-        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::angular_speed}) {
+        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::angular_speed,
+        Quantity::acceleration_per_length}) {
     std::vector<std::string> texts{std::string(example_of(quantity))};
     std::istringstream units{std::string(usual_units(quantity))};
     for (std::string unit; std::getline(units >> std::ws, unit, ',');) texts.push_back("1 " + unit);
@@ -73,6 +74,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(s.fluid.density, 998);
   EXPECT_EQ(s.fluid.kinematic_viscosity, 1e-6);
   EXPECT_EQ(s.fluid.gravity, (Vec3d{0, 0, -9.81}));
+  EXPECT_EQ(s.fluid.central_force_centre, (Vec3d{1, 0, 0}));
   const Numerics& n = s.numerics;
   EXPECT_EQ(n.particle_distance, 0.005);
   EXPECT_EQ(n.kernel, KernelKind::wendland);
@@ -214,10 +216,12 @@ TEST_F(SceneFile, IsFoundInItsFolder) {
 
 TEST_F(SceneFile, MessagesHaveOneForm) {
   EXPECT_EQ(error_with("density =", "densty ="),
-            "scene.toml:16: fluid.densty: unknown key; did you mean 'density'? allowed: density, gravity, "
+            "scene.toml:16: fluid.densty: unknown key; did you mean 'density'? allowed: central_force, "
+            "central_force_centre, density, gravity, "
             "kinematic_viscosity");
   EXPECT_EQ(error(full_, {"fluid.densty=5"}),
-            "--set fluid.densty=5: fluid.densty: unknown key; did you mean 'density'? allowed: density, gravity, "
+            "--set fluid.densty=5: fluid.densty: unknown key; did you mean 'density'? allowed: central_force, "
+            "central_force_centre, density, gravity, "
             "kinematic_viscosity");
   EXPECT_EQ(error_with("\"0.998 g/cm3\"", "-3"),
             "scene.toml:16: fluid.density: -3 kg/m3 is out of range; allowed: > 0 kg/m3");
@@ -390,8 +394,8 @@ TEST_F(SceneFile, AllProblemsComeTogetherInTheOrderOfTheFile) {
   const std::string message = error(text, {"fluid.density=-1"});
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 3) << message;
   EXPECT_LT(message.find("--set fluid.density"), message.find("scene.toml:2: title"));
-  EXPECT_LT(message.find("scene.toml:2: title"), message.find("scene.toml:24: numerics.cfl"));
-  EXPECT_LT(message.find("scene.toml:24: numerics.cfl"), message.find("run.speed"));
+  EXPECT_LT(message.find("scene.toml:2: title"), message.find("scene.toml:25: numerics.cfl"));
+  EXPECT_LT(message.find("scene.toml:25: numerics.cfl"), message.find("run.speed"));
 
   for (int i = 0; i < 13; ++i) text += "\nnonsense" + std::to_string(i) + " = 1";
   const std::string many = error(text);
