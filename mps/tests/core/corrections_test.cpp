@@ -34,7 +34,8 @@ TEST(PlainShifting, ShiftsAndLeavesTheOperatorsAlone) {
     (void)simulation.begin_epoch(1);
     Particles particles = simulation.particles();
     Halo halo = simulation.halo();
-    std::vector<Triple> acceleration, reaction;
+    std::vector<Triple> acceleration;
+    Reactions reaction;
     if (!shifts(regularisation)) {
       advance_density(particles, simulation.neighbours(), simulation.constants());
       accelerate(particles, simulation.neighbours(), simulation.constants(), acceleration, reaction);

@@ -92,7 +92,7 @@ TEST(Read, FullScene) {
   EXPECT_EQ(s.water[0].region.upper, (Vec3d{0.5, 0.5, 0.25}));
   EXPECT_EQ(s.water[0].velocity, (Vec3d{0.1, 0, 0}));
   EXPECT_EQ(s.water[0].level, 0.25 + 0.02);
-  EXPECT_EQ(s.water[0].line, 41);
+  EXPECT_EQ(s.water[0].line, 42);
   EXPECT_EQ(s.water[0].kind, Water::Kind::box);
   EXPECT_EQ(s.water[1].kind, Water::Kind::table);
   const WaterTable& table = s.water[1].table;
