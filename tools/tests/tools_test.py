@@ -19,6 +19,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import paths  # noqa: E402
 import pictures  # noqa: E402
 import run_folder  # noqa: E402
+import scheme_table  # noqa: E402
 import validation_plots  # noqa: E402
 
 STARTS = [(0.04, 0.04), (0.11, 0.04), (0.04, 0.11), (0.11, 0.11)]  # x, y of tags 1 to 4: B1, B2, A1, A2
@@ -220,6 +221,25 @@ class BlockTableTest(RunTest):
             done = run("block_table.py", folder)
             self.assertEqual(done.returncode, 2)
             self.assertIn(message, done.stderr)
+
+
+class SchemeTableTest(unittest.TestCase):
+    def test_errors_say_what_is_missing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "page.md"
+            page.write_text("no place\n")
+            for arguments, message in ((["no-case"], "there is no case 'no-case'; there are: tank-at-rest"),
+                                       (["--into", page], "has no place for the table")):
+                done = run("scheme_table.py", *arguments)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(message, done.stderr)
+
+    def test_a_new_table_takes_the_place_of_the_old_one(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "page.md"
+            page.write_text("before\n<!-- schemes: begin -->\nold\n<!-- schemes: end -->\nafter\n")
+            scheme_table.put_into(page, "| new |\n")
+            self.assertEqual(page.read_text(), "before\n<!-- schemes: begin -->\n| new |\n<!-- schemes: end -->\nafter\n")
 
 
 class PicturesTest(RunTest):
