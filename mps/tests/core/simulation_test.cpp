@@ -570,8 +570,8 @@ TEST(Walls, ATankThatTurnsHoldsItsWater) {
     motion.pivot = {0.5 * size, 0.2 * size, 0.5 * size};
     if (dimension == 3) motion.axis = {0, 1, 0};
     Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
-    run(simulation, dimension == 2 ? 900 : 300);
-    EXPECT_GT(8 * simulation.time(), dimension == 2 ? 1.5 : 0.5);
+    run(simulation, dimension == 2 ? 400 : 120);
+    EXPECT_GT(8 * simulation.time(), dimension == 2 ? 0.8 : 0.3);
     const WaterState state = measure(simulation, scene);
     EXPECT_EQ(state.outside_tank, 0) << state.farthest_outside_tank;
     EXPECT_LT(std::abs(state.volume_ratio - 1), 0.05);
@@ -652,7 +652,7 @@ TEST(CentralForce, ADropAtRestKeepsItsPressureUnderDensityDiffusion) {
     run(simulation, 1);
     return measure(simulation, scene).energy.elastic;
   }();
-  run(simulation, 800);
+  run(simulation, 300);
   const WaterState state = measure(simulation, scene);
   EXPECT_LT(state.energy.kinetic, 0.02 * state.energy.potential);
   EXPECT_NEAR(state.energy.elastic, elastic, 0.15 * elastic);
