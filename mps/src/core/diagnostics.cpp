@@ -99,9 +99,9 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   const Particles& particles = simulation.particles();
   const double full = lattice_arrangement(c);
   const double tait = c.sound_speed * c.sound_speed / 7.0;
-  std::vector<Pose> pose;
-  for (int w = 0; w < simulation.walls().count(); ++w) {
-    pose.push_back(simulation.walls().course(w).pose(simulation.time()));
+  std::vector<Pose> pose(simulation.walls().count());
+  for (std::size_t w = 0; w < pose.size(); ++w) {
+    pose[w] = simulation.walls().course(static_cast<int>(w)).pose(simulation.time());
   }
   double sums[11] = {};
   double deepest[2] = {0, 0};  // in a body, beyond a tank
