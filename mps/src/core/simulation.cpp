@@ -10,6 +10,14 @@
 
 namespace embacle::mps {
 
+namespace {
+
+/// Work of a particle beside its pairs, in pairs; and all of it where no lists are known yet.
+constexpr double work_of_particle = 8;
+constexpr float expected_work = 60;
+
+}  // namespace
+
 // ---------------------------------------------------------------------------------------------------------------------
 // The time step. A leapfrog whose sweeps all use the same positions, so that one neighbour geometry serves a step:
 // positions, then density and pressure, then velocities (docs/numerics.md).
@@ -398,15 +406,8 @@ int Simulation::begin_epoch(int wanted_windows) {
   int windows = wanted_windows;
   if (wanted_windows > 0 && started_) {
     if (!lists_valid_) find_neighbours(time_);  // after a checkpoint or a restart
-    // Work of a rank: what its sweeps go through.
-    const double work = static_cast<double>(neighbours_.pairs() + 8 * particles_.own());
-    double sum = 0, largest = 0;
-    int size = 1;
-    MPI_Comm_size(comm_, &size);
-    MPI_Allreduce(&work, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
-    MPI_Allreduce(&work, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
-    imbalance_ = sum > 0 ? largest * size / sum : 1.0;
-    if (imbalance_ > scene_.numerics.rebalance_imbalance) decompose();
+    balance();
+    extremes_.imbalance = std::max(extremes_.imbalance, imbalance_);
   }
   if (link_ != nullptr) {
     const Timer timer(phases_, Phase::coupling);
@@ -420,6 +421,10 @@ int Simulation::begin_epoch(int wanted_windows) {
   }
   if (!started_ && windows > 0) {
     find_neighbours(time_);
+    if (link_ == nullptr) {  // the first decomposition knew no lists; with solids the plan rests on it
+      balance();
+      if (!lists_valid_) find_neighbours(time_);
+    }
     if (bodies_) {
       remove_water_in_bodies();
       find_neighbours(time_);
@@ -431,6 +436,19 @@ int Simulation::begin_epoch(int wanted_windows) {
     started_ = true;
   }
   return windows;
+}
+
+/// Shares the water out anew if the work of the ranks, what their sweeps go through, has become uneven.
+void Simulation::balance() {
+  const double work =
+      static_cast<double>(neighbours_.pairs()) + work_of_particle * static_cast<double>(particles_.own());
+  double sum = 0, largest = 0;
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  MPI_Allreduce(&work, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+  MPI_Allreduce(&work, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  imbalance_ = sum > 0 ? largest * size / sum : 1.0;
+  if (imbalance_ > scene_.numerics.rebalance_imbalance) decompose();
 }
 
 /// Bodies must be where the water's domain is: at the start the user's mistake, later a body that was thrown out.
@@ -457,10 +475,18 @@ void Simulation::decompose() {
     constants_.periodic.wrap(positions.data() + positions.size() - 3);
     weights.push_back(weight);
   };
-  for (std::size_t i = 0; i < particles_.water; ++i) add(particles_.record[i], 1.0F);
-  for (const WallPoint& point : wall_points_) add(place_of(point), 0.02F);
-  for (const std::uint32_t b : neighbours_.wet_points()) {
-    if (particles_.identity[b].owner < walls_.count()) add(particles_.record[b], 0.28F);
+  const auto work_of = [](const NeighbourRange& range) {
+    return static_cast<float>(work_of_particle + static_cast<double>(range.end - range.begin));
+  };
+  const bool listed = neighbours_.water(Part::all).size() == particles_.water && particles_.water > 0;
+  for (std::size_t i = 0; i < particles_.water; ++i) {
+    add(particles_.record[i], listed ? work_of(neighbours_.of_water(i)) : expected_work);
+  }
+  for (const WallPoint& point : wall_points_) add(place_of(point), 0.02F * expected_work);
+  const auto& wet = neighbours_.wet_points();
+  for (std::size_t k = 0; k < wet.size(); ++k) {
+    if (particles_.identity[wet[k]].owner < walls_.count())
+      add(particles_.record[wet[k]], work_of(neighbours_.of_wet_point(k)));
   }
   decomposition_.partition(scene_.dimension, positions, weights);
   anywhere_ = true;

@@ -33,6 +33,7 @@ struct Extremes {
   double compression = 0;            ///< |rho/rho0 - 1|
   double pressure = 0;               ///< [Pa]
   double shortest_step = 1e300;      ///< of all ranks [s]
+  double imbalance = 1;              ///< at the end of an epoch, before a new decomposition
   double body_penetration = -1e300;  ///< deepest place of a water particle below the surface of a body [m]
 };
 
@@ -115,6 +116,7 @@ class Simulation {
   void find_neighbours(double time);  ///< `time` is that of the positions
   void evaluate_forces(double time);  ///< `time` is that of the positions
   void integrate_velocities();
+  void balance();
   void decompose();
   void restore(const CheckpointReader& checkpoint);
   void restore_wall_density(const CheckpointReader& checkpoint);
