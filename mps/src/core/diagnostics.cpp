@@ -103,7 +103,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   for (std::size_t w = 0; w < pose.size(); ++w) {
     pose[w] = simulation.walls().course(static_cast<int>(w)).pose(simulation.time());
   }
-  double sums[11] = {};
+  double sums[12] = {};
   double deepest[2] = {0, 0};  // in a body, beyond a tank
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& record = particles.record[i];
@@ -117,6 +117,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     if (c.central_force > 0) sums[2] += m * central_potential(c, record.x);
     // Elastic energy of the Tait fluid: m INT p/(rho0 s^2) ds.
     sums[3] += m * tait * (std::pow(record.s, 6) / 6.0 - 1.0 / 6.0 + 1.0 / record.s - 1.0);
+    sums[11] += std::abs(record.s - 1.0) > 0.01 ? 1 : 0;
     const Arrangement around = arrangement_of(simulation, i);
     const double slope = std::sqrt(around.slope[0] * around.slope[0] + around.slope[1] * around.slope[1] +
                                    around.slope[2] * around.slope[2]);
@@ -133,8 +134,8 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
       deepest[0] = std::max(deepest[0], depth);
     }
   }
-  double total[11];
-  MPI_Allreduce(sums, total, 11, MPI_DOUBLE, MPI_SUM, simulation.comm());
+  double total[12];
+  MPI_Allreduce(sums, total, 12, MPI_DOUBLE, MPI_SUM, simulation.comm());
   MPI_Allreduce(MPI_IN_PLACE, deepest, 2, MPI_DOUBLE, MPI_MAX, simulation.comm());
   WaterState state;
   state.particles = static_cast<std::int64_t>(total[0]);
@@ -147,6 +148,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   state.inside_bodies = static_cast<std::int64_t>(total[10]);
   state.deepest_in_body = deepest[0];
   state.farthest_outside_tank = deepest[1];
+  state.compressed_share = total[0] > 0 ? total[11] / total[0] : 0;
   return state;
 }
 

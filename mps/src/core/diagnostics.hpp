@@ -28,6 +28,7 @@ struct WaterState {
   std::int64_t inside_bodies = 0;  ///< water particles whose centre lies inside a body
   double deepest_in_body = 0;      ///< [m]
   double farthest_outside_tank = 0;  ///< [m]
+  double compressed_share = 0;       ///< share of the particles whose density is off by more than 1 %
 };
 
 /// Directed pairs that this rank's sweeps of a step go through and that lie within the support: those of water in two
