@@ -40,7 +40,7 @@ class Halo {
   /// Rows of doubles that someone keeps for all particles: those of the water's ghosts.
   template <class Row>
   void update_water_rows(std::vector<Row>& rows) {
-    constexpr int width = sizeof(Row) / sizeof(double);
+    constexpr int width = sizeof(Row) / sizeof(double);  // NOLINT(bugprone-sizeof-expression): rows of one, too
     start({reinterpret_cast<double*>(rows.data()), width, width, true, false, false});
     finish();
   }
