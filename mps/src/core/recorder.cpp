@@ -414,12 +414,12 @@ std::vector<std::string> Recorder::doubts(double speed, double compression) cons
   }
   const bool work = simulation_.bodies() != nullptr || simulation_.walls().any_moves();
   if (!work && largest_energy_gain_ > 0.01 * largest_energy_) {
-    found.push_back(
-        fmt::format("the water gained up to {:.3g} J with no work done on it ({:.1f} % of its largest kinetic or elastic "
-                    "energy): "
-                    "do not trust "
-                    "this run; a smaller numerics.cfl may help",
-                    largest_energy_gain_, 100 * largest_energy_gain_ / largest_energy_));
+    found.push_back(fmt::format(
+        "the water gained up to {:.3g} J with no work done on it ({:.1f} % of its largest kinetic or elastic "
+        "energy): "
+        "do not trust "
+        "this run; a smaller numerics.cfl may help",
+        largest_energy_gain_, 100 * largest_energy_gain_ / largest_energy_));
   }
   return found;
 }

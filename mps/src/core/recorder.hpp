@@ -66,7 +66,7 @@ class Recorder {
   WaterState start_, now_;
   std::int64_t interactions_ = 0, listed_ = 0;  ///< of the steps at which energies were written; on this rank
   double largest_energy_gain_ = 0;
-  double largest_energy_ = 0;  ///< kinetic or elastic [J]
+  double largest_energy_ = 0;                        ///< kinetic or elastic [J]
   double compressed_share_ = 0, compressed_at_ = 0;  ///< most water with a density off by 1 %, and when [s]
   std::int64_t most_outside_ = 0, most_inside_ = 0;
   double deepest_ = 0;
