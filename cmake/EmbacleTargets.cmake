@@ -16,7 +16,8 @@ target_compile_options(embacle_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual
   $<$<BOOL:${EMBACLE_WERROR}>:-Werror>
   $<$<BOOL:${EMBACLE_NATIVE}>:-march=native>
-  $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-trapping-math>)
+  $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-trapping-math>
+  $<$<BOOL:$<TARGET_PROPERTY:EMBACLE_TEST>>:-O1>)  # GoogleTest's macros take long; what they test is in the libraries
 if(EMBACLE_SANITIZE)
   target_compile_options(embacle_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(embacle_options INTERFACE -fsanitize=address,undefined)
@@ -31,6 +32,7 @@ function(embacle_test name)
     set(ARG_TIMEOUT 300)
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES EMBACLE_TEST ON)
   target_link_libraries(${name} PRIVATE embacle_options GTest::gtest ${ARG_LIBRARIES})
   if(ARG_RANKS)
     target_link_libraries(${name} PRIVATE embacle_test_main_mpi)
