@@ -23,6 +23,17 @@ if(EMBACLE_SANITIZE)
   target_link_options(embacle_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+# Headers that most sources read and that take most of the compile time. A precompiled set serves one target, or all tests
+# of a directory; every source still includes what it uses: clang-tidy reads the sources without the sets.
+option(EMBACLE_PRECOMPILE "Precompile common headers" ON)
+function(embacle_precompile target)
+  if(EMBACLE_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE
+      <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <limits> <map> <memory> <optional> <span> <sstream>
+      <string> <utility> <vector> <mpi.h> <fmt/format.h> <Eigen/Dense> ${ARGN})
+  endif()
+endfunction()
+
 # embacle_test(NAME SOURCES... [RANKS 1 2 4] [LIBRARIES ...]): a GoogleTest program, run on each of the rank counts.
 # All carry the label `unit` (./embacle test -L unit).
 # Programs with RANKS have their own main that initialises MPI: link embacle_test_main_mpi (coupling/tests).
@@ -34,6 +45,13 @@ function(embacle_test name)
   add_executable(${name} ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES EMBACLE_TEST ON)
   target_link_libraries(${name} PRIVATE embacle_options GTest::gtest ${ARG_LIBRARIES})
+  get_property(owner DIRECTORY PROPERTY EMBACLE_PRECOMPILED_TEST)
+  if(owner AND EMBACLE_PRECOMPILE)
+    target_precompile_headers(${name} REUSE_FROM ${owner})
+  else()
+    embacle_precompile(${name} <gtest/gtest.h>)
+    set_property(DIRECTORY PROPERTY EMBACLE_PRECOMPILED_TEST ${name})
+  endif()
   if(ARG_RANKS)
     target_link_libraries(${name} PRIVATE embacle_test_main_mpi)
     foreach(ranks ${ARG_RANKS})

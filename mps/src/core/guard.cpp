@@ -16,6 +16,9 @@ constexpr double spring_frequency = 0.2;
 /// What the next step must leave between water and surface, in particle distances: what a body moves in one step after
 /// a blow that the water did not know of.
 constexpr double clearance = 0.02;
+/// Outward speed, in c0, above which the guard pushes no more: water that a solid overran leaves it within some steps
+/// (20 a spacing) instead of being shot out in one.
+constexpr double leaving_speed = 0.05;
 constexpr int turns = 4;
 
 Vec3d axis_normal(int axis, double sign) {
@@ -32,6 +35,7 @@ Guard::Guard(const Scene& scene, const Constants& constants, const Walls& walls)
       scene_(scene),
       distance_(guarded_distance * constants.particle_distance),
       clearance_(clearance * constants.particle_distance),
+      leaving_speed_(leaving_speed * constants.sound_speed),
       stiffness_(std::pow(spring_frequency * constants.sound_speed / constants.particle_distance, 2)) {
   for (int w = 0; w < static_cast<int>(scene.walls.size()); ++w) {
     const Wall& wall = scene.walls[w];
@@ -55,24 +59,28 @@ double Guard::push(double distance, double approach) const {
 }
 
 void Guard::hold_outside(std::vector<Contact>& contacts, Triple& acceleration, double step) const {
+  const auto velocity_after = [&](const Contact& contact) {  // outward, relative to the surface
+    double outward = 0;
+    for (int c = 0; c < 3; ++c) outward += contact.normal[c] * acceleration[c];
+    return contact.approach + step * outward;
+  };
   const auto add = [&](Contact& contact, double value) {
     contact.push += value;
     for (int c = 0; c < 3; ++c) acceleration[c] += value * contact.normal[c];
   };
   for (Contact& contact : contacts) {
-    const double value = contact.push;
+    const double value = std::min(contact.push, (leaving_speed_ - velocity_after(contact)) / step);
     contact.push = 0;
-    add(contact, value);
+    if (value > 0) add(contact, value);
   }
   // Between two solids each pushes the water towards the other: the corrections take turns, the walls last.
   for (int turn = 0; turn < turns; ++turn) {
     bool held = true;
     for (Contact& contact : contacts) {
-      double outward = 0;
-      for (int c = 0; c < 3; ++c) outward += contact.normal[c] * acceleration[c];
-      const double next = contact.distance + step * (contact.approach + step * outward);
-      if (next >= clearance_) continue;
-      add(contact, (clearance_ - next) / (step * step));
+      const double needed = std::min((clearance_ - contact.distance) / step, leaving_speed_);
+      const double velocity = velocity_after(contact);
+      if (velocity >= needed) continue;
+      add(contact, (needed - velocity) / step);
       held = false;
     }
     if (held) return;

@@ -14,8 +14,8 @@ namespace embacle::mps {
 /// approaches, and is pushed out by a spring. In water at rest particles keep about half a spacing, so nothing happens
 /// there; it acts in splashes and in gaps narrower than a particle, where the pressure extrapolated to one solid says
 /// nothing of the other. Whatever else acts on a particle, its next step must end outside the solids; where it is
-/// squeezed between a body and a wall, the wall has the last word. The force on a body is the exact opposite of that on
-/// the water.
+/// squeezed between a body and a wall, the wall has the last word. What a solid overran leaves it at a bounded speed.
+/// The force on a body is the exact opposite of that on the water.
 class Guard {
  public:
   Guard(const Scene& scene, const Constants& constants, const Walls& walls);
@@ -55,6 +55,7 @@ class Guard {
   const Scene& scene_;
   double distance_;                   ///< within which it acts
   double clearance_;                  ///< that the next step leaves
+  double leaving_speed_;              ///< outward, above which it does not push [m/s]
   double stiffness_;                  ///< [1/s^2]
   ThreadSums<coupling::Load> loads_;  ///< on all walls together, then on each body
 };

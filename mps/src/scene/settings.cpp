@@ -5,6 +5,8 @@
 #include <cstring>
 #include <sstream>
 
+#include <fmt/format.h>
+
 #include "embacle/coupling/types.hpp"
 #include "scene/schema.hpp"
 #include "scene/units.hpp"
@@ -30,7 +32,7 @@ struct Text {
   std::string operator()(const double* x) const { return number_text(*x); }
   std::string operator()(const std::optional<double>* x) const { return *x ? number_text(**x) : "none"; }
   std::string operator()(const Vec3d* x) const {
-    return "[" + number_text((*x)[0]) + ", " + number_text((*x)[1]) + ", " + number_text((*x)[2]) + "]";
+    return fmt::format("[{}, {}, {}]", number_text((*x)[0]), number_text((*x)[1]), number_text((*x)[2]));
   }
   std::string operator()(const std::optional<Vec3d>* x) const { return *x ? operator()(&**x) : "none"; }
   std::string operator()(const int* x) const { return std::to_string(*x); }
