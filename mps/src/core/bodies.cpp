@@ -60,15 +60,15 @@ void Bodies::assign(const std::vector<FluidBody>& bodies) {
   }
 }
 
-void Bodies::collect_points(const coupling::Box& box, std::vector<Traveller>& points) const {
+void Bodies::collect_points(const Decomposition& decomposition, std::vector<Traveller>& points) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const FluidBody& body = bodies_[b];
     const ShapeData& shape = shape_of(body);
-    if (box.distance(body.state.position) > shape.radius) continue;
+    if (decomposition.own().distance(body.state.position) > shape.radius) continue;
     for (std::size_t k = 0; k < shape.points.size(); ++k) {
       const Vec3 arm = body.state.orientation * shape.points[k].position;
       const Vec3 place = body.state.position + arm;
-      if (!box.contains(place)) continue;
+      if (!decomposition.owns(place.data())) continue;
       const Vec3 velocity = body.state.velocity + body.state.angular_velocity.cross(arm);
       Traveller traveller;
       for (int c = 0; c < 3; ++c) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/constants.hpp"
+#include "core/decomposition.hpp"
 #include "core/neighbours.hpp"
 #include "core/operators.hpp"
 #include "embacle/coupling/link.hpp"
@@ -20,8 +21,8 @@ class Bodies {
   void assign(const std::vector<coupling::FluidBody>& bodies);
   [[nodiscard]] std::size_t count() const { return bodies_.size(); }
 
-  /// Own body points (with place and velocity) inside `box`.
-  void collect_points(const coupling::Box& box, std::vector<Traveller>& points) const;
+  /// Appends the body points (with place and velocity) that this rank owns.
+  void collect_points(const Decomposition& decomposition, std::vector<Traveller>& points) const;
   /// Gives body points (owner `first_owner` or more) the owner that stands for their body on this rank.
   void resolve_owners(Particles& particles) const;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 namespace embacle::mps {
@@ -13,7 +14,7 @@ namespace {
 
 struct Points {
   int dimension;
-  const std::vector<double>* positions;
+  std::vector<double> positions;
   const std::vector<float>* weights;
 };
 
@@ -43,7 +44,7 @@ void point_positions(void* data, int, int, int count, ZOLTAN_ID_PTR global_ids, 
   const Points& points = points_of(data);
   for (int i = 0; i < count; ++i) {
     for (int c = 0; c < dimension; ++c) {
-      positions[i * dimension + c] = (*points.positions)[3 * static_cast<std::size_t>(global_ids[i]) + c];
+      positions[i * dimension + c] = points.positions[3 * static_cast<std::size_t>(global_ids[i]) + c];
     }
   }
   *error = ZOLTAN_OK;
@@ -55,7 +56,8 @@ void check(int status, const char* what) {
 
 }  // namespace
 
-Decomposition::Decomposition(MPI_Comm comm, const Periodic& periodic) : comm_(comm), periodic_(periodic) {
+Decomposition::Decomposition(MPI_Comm comm, const Periodic& periodic, double tie_shear)
+    : comm_(comm), periodic_(periodic), tie_shear_(tie_shear) {
   MPI_Comm_rank(comm, &rank_);
   MPI_Comm_size(comm, &size_);
   const double inf = std::numeric_limits<double>::infinity();
@@ -78,7 +80,10 @@ void Decomposition::partition(int dimension, const std::vector<double>& position
   float version = 0;
   check(Zoltan_Initialize(0, nullptr, &version), "Zoltan_Initialize");
   Zoltan_Struct* zoltan = Zoltan_Create(comm_);
-  Points points{dimension, &positions, &weights};
+  Points points{dimension, positions, &weights};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    points.positions[i] = sheared(positions.data() + i / 3 * 3, static_cast<int>(i % 3));
+  }
   for (const auto& [key, value] : {std::pair{"DEBUG_LEVEL", "0"},
                                    {"LB_METHOD", "RCB"},
                                    {"NUM_GID_ENTRIES", "1"},
@@ -120,11 +125,27 @@ void Decomposition::partition(int dimension, const std::vector<double>& position
   Zoltan_Destroy(&zoltan);
 }
 
+double Decomposition::sheared(const double* x, int axis) const {
+  // Factors without a common measure: no two points of a lattice plane tie again.
+  return x[axis] + tie_shear_ * (x[(axis + 1) % 3] + x[(axis + 2) % 3] / std::numbers::phi);
+}
+
+bool Decomposition::owns(int rank, const double* x) const {
+  const Box& box = boxes_[rank];
+  for (int c = 0; c < 3; ++c) {
+    // At the ends of a periodic direction the shear must not lead out of the domain.
+    const bool first = periodic_.in(c) && box.lower[c] <= periodic_.lower[c];
+    const bool last = periodic_.in(c) && box.upper[c] >= periodic_.lower[c] + periodic_.length[c];
+    const double place = sheared(x, c);
+    if (!((first || place >= box.lower[c]) && (last || place < box.upper[c]))) return false;
+  }
+  return true;
+}
+
 int Decomposition::owner(const double* x, int guess) const {
-  const coupling::Vec3 point(x[0], x[1], x[2]);
-  if (boxes_[guess].contains(point)) return guess;
+  if (owns(guess, x)) return guess;
   for (int r = 0; r < size_; ++r) {
-    if (boxes_[r].contains(point)) return r;
+    if (owns(r, x)) return r;
   }
   return -1;
 }

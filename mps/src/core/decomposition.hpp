@@ -20,9 +20,14 @@ struct Nearby {
 };
 
 /// Splits space into one box a rank such that each holds about the same weight.
+///
+/// A cut could not divide a plane of an initial lattice, whose points all have the same coordinate. Therefore places
+/// are compared with the boxes after a shear so small that it only orders the points of such a plane.
 class Decomposition {
  public:
-  explicit Decomposition(MPI_Comm comm, const Periodic& periodic = {});
+  /// `tie_shear`: of each coordinate by the two others, a displacement per length; the boxes hold up to that times the
+  /// extent of the scene.
+  explicit Decomposition(MPI_Comm comm, const Periodic& periodic = {}, double tie_shear = 0);
 
   /// Collective. `positions`: 3 per point [m]; `weights`: one per point. Afterwards every rank knows every box;
   /// together they tile space (outer faces at +-infinity, or at the ends of the domain where it is periodic).
@@ -33,6 +38,9 @@ class Decomposition {
 
   [[nodiscard]] const std::vector<Box>& boxes() const { return boxes_; }
   [[nodiscard]] const Box& own() const { return boxes_[rank_]; }
+  /// Whether a rank owns a place (wrapped, in periodic directions): exactly one does.
+  [[nodiscard]] bool owns(int rank, const double* x) const;
+  [[nodiscard]] bool owns(const double* x) const { return owns(rank_, x); }
   /// Rank that owns a place; tries `guess` first.
   [[nodiscard]] int owner(const double* x, int guess) const;
   /// Other ranks whose box, or an image of it, lies within `reach` [m] of this rank's, ascending.
@@ -44,11 +52,13 @@ class Decomposition {
 
  private:
   void set_box(int rank, const coupling::Vec3& lower, const coupling::Vec3& upper);
+  [[nodiscard]] double sheared(const double* x, int axis) const;
 
   MPI_Comm comm_;
   int rank_ = 0;
   int size_ = 1;
   Periodic periodic_;
+  double tie_shear_;
   std::vector<Box> boxes_;
 };
 

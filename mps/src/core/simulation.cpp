@@ -15,6 +15,14 @@ namespace {
 /// Work of a particle beside its pairs, in pairs; and all of it where no lists are known yet.
 constexpr double work_of_particle = 8;
 constexpr float expected_work = 60;
+/// By how much, in particle distances, the decomposition's boxes may miss a particle of their rank.
+constexpr double tie_offset = 1e-6;
+
+double extents(const Scene& scene) {  // of the domain, all together [m]
+  double sum = 0;
+  for (int c = 0; c < scene.dimension; ++c) sum += scene.domain.upper[c] - scene.domain.lower[c];
+  return sum;
+}
 
 }  // namespace
 
@@ -180,7 +188,8 @@ void Simulation::confirm() const {
 }
 
 void Simulation::find_neighbours(double time) {
-  const double reach = Displacements::reach(constants_.support, constants_.skin);
+  const double reach =
+      Displacements::reach(constants_.support, constants_.skin) + tie_offset * constants_.particle_distance;
   std::vector<Traveller> solid;
   if (wall_density_) wall_density_->keep(particles_);
   {
@@ -204,7 +213,7 @@ void Simulation::find_neighbours(double time) {
     const Timer timer(phases_, Phase::search);
     neighbours_.survey(particles_, ghost_water);
     solid = wall_points_near_water(time);
-    if (bodies_) bodies_->collect_points(decomposition_.own(), solid);
+    if (bodies_) bodies_->collect_points(decomposition_, solid);
   }
   {
     const Timer timer(phases_, Phase::halo);
@@ -373,7 +382,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
       link_(link),
       constants_(constants_of(scene)),
       walls_(scene, scene.dimension, constants_.layers),
-      decomposition_(comm, constants_.periodic),
+      decomposition_(comm, constants_.periodic, tie_offset * constants_.particle_distance / extents(scene)),
       friction_(scene, constants_, walls_),
       guard_(scene, constants_, walls_),
       halo_(comm),

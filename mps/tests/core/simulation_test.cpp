@@ -434,10 +434,7 @@ coupling::Load buoyancy(int dimension, const coupling::Shape& shape, const coupl
   body.state.orientation = orientation;
   bodies.assign({body});
   std::vector<Traveller> points;
-  coupling::Box everywhere;
-  everywhere.lower = coupling::Vec3::Constant(-1);
-  everywhere.upper = coupling::Vec3::Constant(1);
-  bodies.collect_points(everywhere, points);
+  bodies.collect_points(Decomposition(MPI_COMM_SELF), points);
   for (Traveller& point : points) point.record.p = 1000 * 9.81 * (1 - point.record.x[dimension - 1]);
   Particles particles;
   particles.append(points, {}, {});
