@@ -96,7 +96,7 @@ struct Block {
     wet_pairs = static_cast<double>(neighbours.pairs()) - water_pairs;
     const auto within = [&](std::size_t i, const NeighbourRange& range) {
       double found = 0;
-      for (const std::uint32_t* k = range.begin; k < range.end; ++k) {
+      for (auto k = range.begin; k < range.end; ++k) {
         double square = 0;
         for (int c = 0; c < 3; ++c) square += std::pow(particles.record[*k].x[c] - particles.record[i].x[c], 2);
         found += square < constants.support * constants.support ? 1 : 0;

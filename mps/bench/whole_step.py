@@ -131,7 +131,7 @@ def main():
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--threads", type=int, nargs="+", default=[1], help="of each rank")
     parser.add_argument("--supports", type=float, nargs="+", default=[2.1, 3.1])
-    parser.add_argument("--skin", type=float, default=0.3)
+    parser.add_argument("--skin", type=float, default=0.25)
     parser.add_argument("--distance", type=float, default=2.0, help="between particles [cm]; 2: 200 000 of water")
     parser.add_argument("--steps", type=int, default=100)
     parser.add_argument("--repeat", type=int, default=1, help="runs of each; the median by time counts")

@@ -176,7 +176,7 @@ std::string check_report(const Scene& scene, int ranks) {
                                              : 3.14 * std::pow(reach / c.particle_distance, 2);
   const double n = static_cast<double>(initial.water.size());
   const double seconds = steps * n * 2 * listed / pairs_per_second / ranks;
-  const double bytes = n * (listed * 4 + 200) + static_cast<double>(initial.walls.size()) * 120;
+  const double bytes = n * (listed * 3 + 140) + static_cast<double>(initial.walls.size()) * 120;
   std::string report = fmt::format(
       "{}: ok\n"
       "  water particles   {}\n  wall points       {}\n  solids            {}\n"

@@ -17,7 +17,7 @@ void hydrostatic_part(const Particles& particles, const Neighbours& neighbours, 
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack sum = splat(0);
-    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) {
+    for (auto k = range.begin; k < range.middle; k += lanes) {
       const RecordPack other = load(records, k);
       const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);

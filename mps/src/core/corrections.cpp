@@ -55,7 +55,7 @@ void Corrections::measure(const Particles& particles, const Neighbours& neighbou
     Pack weight = splat(0), laplacian = splat(0), speed = splat(0);
     Pack gx = splat(0), gy = splat(0), gz = splat(0);
     Pack xx = splat(0), yy = splat(0), zz = splat(0), xy = splat(0), yz = splat(0), zx = splat(0);
-    for (const std::uint32_t* k = range.begin; k < range.end; k += lanes) {
+    for (auto k = range.begin; k < range.end; k += lanes) {
       const RecordPack other = load(records, k);
       const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
@@ -137,7 +137,7 @@ void Corrections::classify(const Particles& particles, const Neighbours& neighbo
     Surface mine = surface_[i];
     bool near = mine.is_surface > 0;
     if (!near) {
-      for (const std::uint32_t* k = range.begin; k < range.middle; ++k) {
+      for (auto k = range.begin; k < range.middle; ++k) {
         const Surface& other = surface_[*k];
         if (other.is_surface == 0) continue;
         double square = 0;
@@ -184,7 +184,7 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
       const Triple u = c.plain_operators ? Triple{} : shift_[i];
       const NeighbourRange range = neighbours.of_water(i);
       Pack divergence = splat(0), laplacian = splat(0), carried = splat(0);
-      const auto pair = [&]<bool Water>(const std::uint32_t* index) {
+      const auto pair = [&]<bool Water>(PackedIndices::Iterator index) {
         const RecordPack other = load(records, index);
         const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
         const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
@@ -197,8 +197,8 @@ void Corrections::advance_density(Particles& particles, const Neighbours& neighb
           carried += f * (other.s - me.s) * dot<D>(splat(u[0]), splat(u[1]), splat(u[2]), br[0], br[1], br[2]);
         }
       };
-      for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
-      for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
+      for (auto k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
+      for (auto k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
       particles.record[i].p = c.gradient_factor * (horizontal_sum(carried) - horizontal_sum(divergence)) +
                               diffusion * horizontal_sum(laplacian);  // as in operators.cpp
     });
@@ -235,7 +235,7 @@ void Corrections::accelerate(const Particles& particles, const Neighbours& neigh
       const bool tension = me.p < 0 && mine.interior > 0 && !c.plain_operators;
       const NeighbourRange range = neighbours.of_water(i);
       Pack ax = splat(0), ay = splat(0), az = splat(0);
-      const auto pair = [&]<bool Water>(const std::uint32_t* index) {
+      const auto pair = [&]<bool Water>(PackedIndices::Iterator index) {
         const RecordPack other = load(records, index);
         const auto theirs = load_columns(correction_.data(), index);
         const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
@@ -275,8 +275,8 @@ void Corrections::accelerate(const Particles& particles, const Neighbours& neigh
           }
         }
       };
-      for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
-      for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
+      for (auto k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
+      for (auto k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
       acceleration[i] = {horizontal_sum(ax) + c.gravity[0], horizontal_sum(ay) + c.gravity[1],
                          horizontal_sum(az) + c.gravity[2]};
     });

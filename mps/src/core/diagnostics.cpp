@@ -25,7 +25,7 @@ Arrangement arrangement_of(const Simulation& simulation, std::size_t i) {
   const double support = simulation.constants().support;
   Arrangement result;
   const NeighbourRange range = simulation.neighbours().of_water(i);
-  for (const std::uint32_t* k = range.begin; k < range.end; ++k) {
+  for (auto k = range.begin; k < range.end; ++k) {
     Triple d;
     double r2 = 0;
     for (int c = 0; c < 3; ++c) {
@@ -218,7 +218,7 @@ double front_position(const Simulation& simulation, const Gauge& gauge) {
     if (along <= farthest) continue;
     int close = 0;  // a lone splash is no front
     const NeighbourRange range = simulation.neighbours().of_water(i);
-    for (const std::uint32_t* k = range.begin; k < range.middle; ++k) {
+    for (auto k = range.begin; k < range.middle; ++k) {
       double square = 0;
       for (int d = 0; d < 3; ++d) square += std::pow(records[*k].x[d] - records[i].x[d], 2);
       close += square < 2.25 * c.particle_distance * c.particle_distance ? 1 : 0;

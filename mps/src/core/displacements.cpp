@@ -30,17 +30,20 @@ void Displacements::remember(const Particles& particles) {
   while (count(0) * count(1) * count(2) > 8.0 * static_cast<double>(n + 8)) block *= 2;  // strays far away
   for (int c = 0; c < 3; ++c) blocks_[c] = static_cast<int>(count(c));
   limit_ = static_cast<float>(skin_ - 4 * std::numeric_limits<float>::epsilon() * extent);
+  per_block_ = static_cast<float>(1 / block);
   resize(place_, n);
-  resize(block_of_, n);
   for (std::size_t i = 0; i < n; ++i) {
-    std::uint32_t index = 0;
-    for (int c = 2; c >= 0; --c) {
-      const double x = particles.record[i].x[c] - origin_[c];
-      place_[i][c] = static_cast<float>(x);
-      index = index * static_cast<std::uint32_t>(blocks_[c]) + static_cast<std::uint32_t>(x / block);
-    }
-    block_of_[i] = index;
+    for (int c = 0; c < 3; ++c) place_[i][c] = static_cast<float>(particles.record[i].x[c] - origin_[c]);
   }
+}
+
+std::size_t Displacements::block_of(const std::array<float, 3>& place) const {
+  std::size_t index = 0;
+  for (int c = 2; c >= 0; --c) {
+    const int block = std::min(static_cast<int>(place[c] * per_block_), blocks_[c] - 1);
+    index = index * blocks_[c] + static_cast<std::size_t>(block);
+  }
+  return index;
 }
 
 /// Extends each block's span by those of its two neighbours along an axis.
@@ -67,7 +70,7 @@ bool Displacements::lists_hold(const Particles& particles) {
   span_.assign(static_cast<std::size_t>(blocks_[0]) * blocks_[1] * blocks_[2], empty);
   float largest = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    Span& span = span_[block_of_[i]];
+    Span& span = span_[block_of(place_[i])];
     float square = 0;
     for (int c = 0; c < 3; ++c) {
       const float moved = static_cast<float>(particles.record[i].x[c] - origin_[c]) - place_[i][c];
@@ -89,8 +92,7 @@ bool Displacements::lists_hold(const Particles& particles) {
 }
 
 std::size_t Displacements::bytes() const {
-  return place_.capacity() * sizeof(place_[0]) + block_of_.capacity() * sizeof(block_of_[0]) +
-         (span_.capacity() + widened_.capacity()) * sizeof(Span);
+  return place_.capacity() * sizeof(place_[0]) + (span_.capacity() + widened_.capacity()) * sizeof(Span);
 }
 
 }  // namespace embacle::mps

@@ -31,15 +31,16 @@ class Displacements {
   struct Span {
     float low[3], high[3];
   };
+  [[nodiscard]] std::size_t block_of(const std::array<float, 3>& place) const;
   void widen_along(int axis);
 
   double skin_, block_;
   double origin_[3] = {0, 0, 0};
   int blocks_[3] = {1, 1, 1};
+  float per_block_ = 0;                      ///< blocks a length [1/m]
   float limit_ = 0;                          ///< the skin, less what single precision can lose [m]
   std::vector<std::array<float, 3>> place_;  ///< relative to the origin
-  std::vector<std::uint32_t> block_of_;
-  std::vector<Span> span_, widened_;  ///< of the displacements in each block
+  std::vector<Span> span_, widened_;         ///< of the displacements in each block
 };
 
 }  // namespace embacle::mps

@@ -49,7 +49,7 @@ void Friction::add(const Particles& particles, const Neighbours& neighbours, dou
     Triple* const on_points = reaction.of_thread(thread);
     const NeighbourRange range = neighbours.of_water(i);
     const Record& me = particles.record[i];
-    for (const std::uint32_t* k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {
+    for (auto k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {
       const Record& other = particles.record[*k];
       const Identity& identity = particles.identity[*k];
       double square = 0;

@@ -1,5 +1,7 @@
 #include "core/neighbours.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -246,11 +248,12 @@ std::size_t Neighbours::expected_entries(const Particles& particles, const Bins&
     gather(around, cell, found);
     for (std::uint32_t m = first; m < last; ++m) {
       if (bins.index[m] >= own) continue;
-      entries += select(found, particles.record[bins.index[m]].x, bins.index[m], list) + lanes / 2;
+      const std::size_t n = select(found, particles.record[bins.index[m]].x, bins.index[m], list);
+      entries += (n + lanes - 1) / lanes * lanes;
     }
   });
   if (sampled == 0) return 0;
-  return static_cast<std::size_t>(1.03 * static_cast<double>(entries) * static_cast<double>(points) /
+  return static_cast<std::size_t>(static_cast<double>(entries) * static_cast<double>(points) /
                                   static_cast<double>(sampled));
 }
 
@@ -264,6 +267,12 @@ void Neighbours::survey(const Particles& particles, const std::vector<Traveller>
 }
 
 void Neighbours::build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin) {
+  if (particles.sentinel() > PackedIndices::largest) {
+    throw coupling::InputError(
+        fmt::format("a rank has {} particles, with its walls and ghosts; at most {} are possible: "
+                    "use more ranks (--fluid-ranks)",
+                    particles.all(), PackedIndices::largest));
+  }
   for (std::uint32_t& index : water_.index) {
     if (index >= particles.water) index += static_cast<std::uint32_t>(particles.solid);
   }
@@ -327,13 +336,10 @@ const ThinWall* thin_of(const Particles& particles, const Walls& walls, const st
 
 /// Appends the first `n` entries of `list` but those that are `hidden`, and pads; returns how many these are.
 template <class Hidden>
-std::size_t append(std::vector<std::uint32_t>& lists, std::vector<std::uint32_t>& list, std::size_t n,
-                   std::uint32_t sentinel, const Hidden& hidden) {
+std::size_t append(PackedIndices& lists, std::vector<std::uint32_t>& list, std::size_t n, std::uint32_t sentinel,
+                   const Hidden& hidden) {
   n = static_cast<std::size_t>(std::remove_if(list.begin(), list.begin() + n, hidden) - list.begin());
-  const std::size_t needed = lists.size() + n + lanes;
-  if (needed > lists.capacity()) lists.reserve(needed + needed / 16);
-  lists.insert(lists.end(), list.begin(), list.begin() + n);
-  while (lists.size() % lanes != 0) lists.push_back(sentinel);
+  lists.append(list.data(), n, lanes, sentinel);
   return n;
 }
 
@@ -358,7 +364,7 @@ void Neighbours::list_water(const Particles& particles, const Walls& walls, cons
   const std::uint32_t sentinel = particles.sentinel();
   Surroundings water_around, solid_around;
   std::vector<std::uint32_t> list;
-  std::vector<std::uint32_t>& lists = index_[thread];
+  PackedIndices& lists = index_[thread];
   lists.clear();
   const auto list_cell = [&](const int* cell, std::uint32_t first, std::uint32_t last) {
     if (std::none_of(&water_.index[first], &water_.index[last], [&](auto i) { return i < particles.water; })) return;
@@ -399,7 +405,7 @@ void Neighbours::list_water(const Particles& particles, const Walls& walls, cons
     }
   };
   for_occupied_cells(water_, list_cell, thread, threads());
-  make_room(lists, lists.size());
+  lists.make_room(lists.size());
 }
 
 /// Those of its share of the own solid points near water.
@@ -437,14 +443,14 @@ void Neighbours::join_wet_points(std::vector<WetLists>& parts) {
     wet_index_.clear();
     std::size_t entries = 0;
     for (const WetLists& part : parts) entries += part.index.size();
-    make_room(wet_index_, entries);
-    for (const WetLists& part : parts) wet_index_.insert(wet_index_.end(), part.index.begin(), part.index.end());
+    wet_index_.make_room(entries);
+    for (const WetLists& part : parts) wet_index_.append(part.index);
   }
   for (const WetLists& part : parts) {
     wet_points_.insert(wet_points_.end(), part.points.begin(), part.points.end());
     for (const std::uint32_t packs : part.packs) wet_begin_.push_back(wet_begin_.back() + packs);
   }
-  make_room(wet_index_, wet_index_.size());
+  wet_index_.make_room(wet_index_.size());
 }
 
 std::size_t Neighbours::pairs() const {
@@ -454,10 +460,11 @@ std::size_t Neighbours::pairs() const {
 }
 
 std::size_t Neighbours::bytes() const {
-  std::size_t listed = wet_index_.capacity();
-  for (const auto& part : index_) listed += part.capacity();
-  for (const Parts* parts : {&water_parts_, &wet_parts_}) listed += parts->inner.capacity() + parts->rim.capacity();
-  return sizeof(std::uint32_t) * (listed + wet_points_.capacity() + begin_.capacity() + wet_begin_.capacity()) +
+  std::size_t lists = wet_index_.memory(), members = 0;
+  for (const auto& part : index_) lists += part.memory();
+  for (const Parts* parts : {&water_parts_, &wet_parts_}) members += parts->inner.capacity() + parts->rim.capacity();
+  return lists +
+         sizeof(std::uint32_t) * (members + wet_points_.capacity() + begin_.capacity() + wet_begin_.capacity()) +
          thread_.capacity() + sizeof(std::uint16_t) * (water_count_.capacity() + count_.capacity());
 }
 

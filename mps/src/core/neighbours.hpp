@@ -12,9 +12,9 @@ namespace embacle::mps {
 
 /// Neighbours of a particle: indices into the particles' records, padded to full packs with the sentinel.
 struct NeighbourRange {
-  const std::uint32_t* begin;
-  const std::uint32_t* middle;  ///< water in [begin, middle), solid points in [middle, end)
-  const std::uint32_t* end;
+  PackedIndices::Iterator begin;
+  PackedIndices::Iterator middle;  ///< water in [begin, middle), solid points in [middle, end)
+  PackedIndices::Iterator end;
 };
 
 /// Some of the own water, or of the wet points: those whose lists hold no ghost of another rank, and the others.
@@ -49,15 +49,14 @@ class Neighbours {
   void build(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin);
 
   [[nodiscard]] NeighbourRange of_water(std::size_t i) const {
-    const std::uint32_t* first = index_[thread_[i]].data() + lanes * std::size_t{begin_[i]};
+    const auto first = index_[thread_[i]].begin() + lanes * std::ptrdiff_t{begin_[i]};
     return {first, first + water_count_[i], first + count_[i]};
   }
   /// Own solid points that have water near, as indices into the records, and their water.
   [[nodiscard]] const std::vector<std::uint32_t>& wet_points() const { return wet_points_; }
   [[nodiscard]] NeighbourRange of_wet_point(std::size_t k) const {
-    const std::uint32_t* base = wet_index_.data();
-    const std::uint32_t* end = base + lanes * std::size_t{wet_begin_[k + 1]};
-    return {base + lanes * std::size_t{wet_begin_[k]}, end, end};
+    const auto end = wet_index_.begin() + lanes * std::ptrdiff_t{wet_begin_[k + 1]};
+    return {wet_index_.begin() + lanes * std::ptrdiff_t{wet_begin_[k]}, end, end};
   }
   /// Of the own water, or of the wet points by their number: all, those with no ghost in their lists, the others.
   [[nodiscard]] Subset water(Part part) const { return subset(part, begin_.size(), water_parts_); }
@@ -110,7 +109,8 @@ class Neighbours {
   void list_water(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin, int thread);
   /// Of one thread, to be joined.
   struct WetLists {
-    std::vector<std::uint32_t> points, index;
+    std::vector<std::uint32_t> points;
+    PackedIndices index;
     std::vector<std::uint32_t> packs;  ///< number of each list
   };
   void list_wet_points(const Particles& particles, const Walls& walls, const std::vector<ThinWall>& thin, int thread,
@@ -137,11 +137,11 @@ class Neighbours {
   int cells_[3] = {1, 1, 1};
   float reach_square_ = 0;  ///< square of the radius, widened
   Bins water_, solid_;
-  std::vector<std::uint32_t> slot_, next_;         ///< scratch
-  std::vector<char> near_water_, near_solid_;      ///< per cell
-  std::vector<std::vector<std::uint32_t>> index_;  ///< of the own water, as each thread has listed it
-  std::vector<std::uint8_t> thread_;               ///< which listed it
-  std::vector<std::uint32_t> wet_index_;
+  std::vector<std::uint32_t> slot_, next_;     ///< scratch
+  std::vector<char> near_water_, near_solid_;  ///< per cell
+  std::vector<PackedIndices> index_;           ///< of the own water, as each thread has listed it
+  std::vector<std::uint8_t> thread_;           ///< which listed it
+  PackedIndices wet_index_;
   std::vector<std::uint32_t> begin_, wet_begin_;    ///< first pack of each list
   std::vector<std::uint16_t> water_count_, count_;  ///< with padding, of the list of each own water particle
   std::vector<std::uint32_t> wet_points_;

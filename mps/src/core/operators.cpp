@@ -22,7 +22,7 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack divergence = splat(0), laplacian = splat(0);
-    const auto pair = [&]<bool Water>(const std::uint32_t* index) {
+    const auto pair = [&]<bool Water>(PackedIndices::Iterator index) {
       const RecordPack other = load(records, index);
       const Pack ux = other.vx - me.v[0], uy = other.vy - me.v[1], uz = other.vz - me.v[2];
       const Pack dx = other.x - me.x[0] - back * ux, dy = other.y - me.x[1] - back * uy,
@@ -36,8 +36,8 @@ void density_rate(Particles& particles, const Neighbours& neighbours, const Cons
         laplacian += f * r2 * ((other.s - me.s) - slope * dot<D>(gx, gy, gz, dx, dy, dz));
       }
     };
-    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
-    for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
+    for (auto k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
+    for (auto k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
     // In place of the pressure, which the sweep does not read and which is due next.
     particles.record[i].p = -c.gradient_factor * horizontal_sum(divergence) + diffusion * horizontal_sum(laplacian);
   });
@@ -60,7 +60,7 @@ void extrapolate(Particles& particles, const Neighbours& neighbours, const Const
     for (double& component : g) component *= c.density;
     const NeighbourRange range = neighbours.of_wet_point(k);
     Pack weights = splat(0), sum = splat(0);
-    for (const std::uint32_t* j = range.begin; j < range.end; j += lanes) {
+    for (auto j = range.begin; j < range.end; j += lanes) {
       const RecordPack other = load(records, j);
       const Pack dx = me.x[0] - other.x, dy = me.x[1] - other.y, dz = me.x[2] - other.z;
       const Pack f = kernel.gradient_weight(square_root(dot<D>(dx, dy, dz, dx, dy, dz)), max_zero);
@@ -98,7 +98,7 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack ax = splat(0), ay = splat(0), az = splat(0);
-    const auto pair = [&]<bool Water>(const std::uint32_t* index) {
+    const auto pair = [&]<bool Water>(PackedIndices::Iterator index) {
       const RecordPack other = load(records, index);
       const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);
@@ -129,8 +129,8 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
         }
       }
     };
-    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
-    for (const std::uint32_t* k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
+    for (auto k = range.begin; k < range.middle; k += lanes) pair.template operator()<true>(k);
+    for (auto k = range.middle; k < range.end; k += lanes) pair.template operator()<false>(k);
     acceleration[i] = {horizontal_sum(ax) + c.gravity[0], horizontal_sum(ay) + c.gravity[1],
                        horizontal_sum(az) + c.gravity[2]};
   });

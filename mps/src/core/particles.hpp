@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/packed_indices.hpp"
 #include "core/room.hpp"
 #include "core/simd.hpp"
 
@@ -20,10 +21,12 @@ struct alignas(64) Record {
 
 /// Four rows of eight doubles (a cache line each) as columns.
 template <class Row>
-std::array<Pack, 8> load_columns(const Row* rows, const std::uint32_t* index) {
+std::array<Pack, 8> load_columns(const Row* rows, PackedIndices::Iterator index) {
   static_assert(sizeof(Row) == 8 * sizeof(double) && alignof(Row) == 64);
   std::array<Pack, 8> c;
-  const auto row = [&](int lane, int half) { return *(reinterpret_cast<const Pack*>(rows + index[lane]) + half); };
+  const std::array<std::size_t, 4> offset = index.four<sizeof(Row)>();
+  const auto* first = reinterpret_cast<const unsigned char*>(rows);
+  const auto row = [&](int lane, int half) { return *(reinterpret_cast<const Pack*>(first + offset[lane]) + half); };
   for (int half = 0; half < 2; ++half) {
     for (int lane = 0; lane < 4; ++lane) c[4 * half + lane] = row(lane, half);
     transpose(c[4 * half], c[4 * half + 1], c[4 * half + 2], c[4 * half + 3]);
@@ -36,7 +39,7 @@ struct RecordPack {
   Pack x, y, z, vx, vy, vz, p, s;
 };
 
-inline RecordPack load(const Record* records, const std::uint32_t* index) {
+inline RecordPack load(const Record* records, PackedIndices::Iterator index) {
   const auto c = load_columns(records, index);
   return {c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
 }

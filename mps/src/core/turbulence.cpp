@@ -38,7 +38,7 @@ void Turbulence::measure(const Particles& particles, const Neighbours& neighbour
     for (Pack& sum : arms) sum = splat(0);
     for (auto& row : flux)
       for (Pack& sum : row) sum = splat(0);
-    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) {
+    for (auto k = range.begin; k < range.middle; k += lanes) {
       const RecordPack other = load(records, k);
       const Pack r[3] = {other.x - me.x[0], other.y - me.x[1], other.z - me.x[2]};
       const Pack u[3] = {other.vx - me.v[0], other.vy - me.v[1], other.vz - me.v[2]};
@@ -83,7 +83,7 @@ void Turbulence::add(const Particles& particles, const Neighbours& neighbours,
     const Record& me = records[i];
     const NeighbourRange range = neighbours.of_water(i);
     Pack ax = splat(0), ay = splat(0), az = splat(0);
-    for (const std::uint32_t* k = range.begin; k < range.middle; k += lanes) {
+    for (auto k = range.begin; k < range.middle; k += lanes) {
       const RecordPack other = load(records, k);
       const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
       const Pack r2 = dot<D>(dx, dy, dz, dx, dy, dz);

@@ -53,7 +53,7 @@ void WallDensity::rates(Particles& particles, const Neighbours& neighbours) cons
     Record& me = records[wet[k]];
     const NeighbourRange range = neighbours.of_wet_point(k);
     Pack divergence = splat(0), weights = splat(0);
-    for (const std::uint32_t* n = range.begin; n < range.end; n += lanes) {
+    for (auto n = range.begin; n < range.end; n += lanes) {
       const RecordPack other = load(records, n);
       const Pack ux = other.vx - me.v[0], uy = other.vy - me.v[1], uz = other.vz - me.v[2];
       const Pack dx = other.x - me.x[0] - half * ux, dy = other.y - me.x[1] - half * uy,

@@ -212,7 +212,7 @@ struct Numerics {
   double collision_restitution = 0.5;
   TurbulenceModel turbulence = TurbulenceModel::none;
   double smagorinsky = 0.12;         ///< coefficient Cs of the length Cs l0
-  double skin = 0.3;                 ///< of the neighbour list, in l0
+  double skin = 0.25;                ///< of the neighbour list, in l0
   double rebalance_imbalance = 1.1;  ///< re-decompose when the largest rank has this times the mean work
 };
 

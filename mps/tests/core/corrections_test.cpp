@@ -146,7 +146,7 @@ double spread_of_weights(const Simulation& simulation) {
   for (std::size_t i = 0; i < simulation.particles().water; ++i) {
     const NeighbourRange range = simulation.neighbours().of_water(i);
     double weight = 0;
-    for (const std::uint32_t* k = range.begin; k < range.end; ++k) {
+    for (auto k = range.begin; k < range.end; ++k) {
       double square = 0;
       for (int d = 0; d < 3; ++d) {
         square += std::pow(simulation.particles().record[*k].x[d] - simulation.particles().record[i].x[d], 2);

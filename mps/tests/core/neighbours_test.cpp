@@ -55,7 +55,7 @@ std::vector<std::uint32_t> brute_force(const Particles& particles, std::size_t i
   return result;
 }
 
-std::vector<std::uint32_t> listed(const std::uint32_t* begin, const std::uint32_t* end, std::uint32_t sentinel) {
+std::vector<std::uint32_t> listed(PackedIndices::Iterator begin, PackedIndices::Iterator end, std::uint32_t sentinel) {
   std::vector<std::uint32_t> result(begin, end);
   std::erase(result, sentinel);
   std::sort(result.begin(), result.end());

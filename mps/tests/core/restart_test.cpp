@@ -77,7 +77,7 @@ void write(Simulation& simulation, const fs::path& path) {
 /// A collapsing column in 2-D; in 3-D a column behind a thin gate that rises, and a paddle that follows a table.
 Scene lively_scene(int dimension) {
   Scene scene = test::collapsing_column(dimension, dimension == 3 ? 8 : 20);
-  scene.numerics.rebalance_imbalance = 1.02;
+  scene.numerics.rebalance_imbalance = 1.005;
   if (dimension == 2) return scene;
   Wall gate;
   gate.name = "gate";
