@@ -3,7 +3,8 @@
 
 A case is a folder here with case.py, which defines TITLE and measure(context), a generator of Bar objects: it runs scenes
 through context.run and compares what came out with reference data in its folder. What it hands to context.curve and
-context.note goes into the report. Here standard library only; cases may use numpy and h5py.
+context.note goes into the report. A report in DIR keeps the cases that are not run again, so that one can be made of several
+runs, and one that was interrupted holds the cases that had ended. Here standard library only; cases may use numpy and h5py.
 """
 
 import argparse
@@ -94,7 +95,7 @@ class Context:
 
     def curve(self, panel, label, x, y, reference=False, points=False):
         """A curve of the report's picture. Panel: "title; x axis; y axis" says where it goes."""
-        x, y = [float(value) for value in x], [float(value) for value in y]
+        x, y = ([float(f"{float(value):.6g}") for value in values] for values in (x, y))
         every = 1 if points else max(1, len(x) // CURVE_POINTS)
         self.curves.append({"panel": panel, "label": label, "x": x[::every], "y": y[::every], "reference": reference,
                             "points": points})
@@ -155,7 +156,8 @@ def parse(arguments):
     effort.add_argument("--full", dest="effort", action="store_const", const="full", help="also finer resolutions: hours")
     parser.add_argument("--fluid-ranks", metavar="N", help="ranks of each run")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write the results there as well")
-    parser.add_argument("--report", type=pathlib.Path, metavar="DIR", help="write report.md and a picture a case there")
+    parser.add_argument("--report", type=pathlib.Path, metavar="DIR",
+                        help="write report.md and a picture a case there; other cases of a report that is there stay")
     parser.set_defaults(effort="normal")
     options = parser.parse_args(arguments)
     for case in options.cases:
@@ -179,20 +181,34 @@ def validate_case(case, options, results):
     print("\n" + text, flush=True)
     if error:
         print(f"\n{case}: not finished: {error}", file=sys.stderr)
-    return {"title": module.TITLE, "error": error, "text": text, "curves": context.curves,
+    return {"title": module.TITLE, "effort": options.effort, "revision": revision(), "error": error, "text": text,
+            "curves": context.curves,
             "missed": error is not None or any(bar.required and not bar.inside for bar in bars),
             "bars": [dataclasses.asdict(bar) | {"inside": bar.inside} for bar in bars]}
 
 
-def write_report(outcome, folder):
-    """report.md, and by tools/validation_plots.py a picture a case."""
+def revision():
+    """The commit of the sources, with a mark if they differ from it."""
+    try:
+        return subprocess.run(["git", "-C", str(ROOT), "describe", "--always", "--dirty"], capture_output=True, text=True,
+                              check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+
+
+def write_report(case, result, folder):
+    """Puts a case into report.md, and by tools/validation_plots.py a picture of each beside it."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / "validation.json", json.dumps(outcome, indent=1) + "\n")
+    data = folder / "validation.json"
+    outcome = json.loads(data.read_text()) if data.exists() else {"cases": {}}
+    outcome["cases"][case] = result
+    write_whole(data, json.dumps(outcome, separators=(",", ":")) + "\n")
     plots = subprocess.run(["/usr/bin/python3", str(ROOT / "tools/validation_plots.py"), str(folder)]).returncode == 0
-    lines = [f"# Validation, effort {outcome['effort']}", "",
+    lines = ["# Validation", "",
              "Inside: the value lies in the allowed range. Run: wall time, on whatever else the machine had to do.", ""]
-    for case, result in outcome["cases"].items():
-        lines += [f"## {case}: {result['title']}", "", result["text"], ""]
+    for case, result in sorted(outcome["cases"].items()):
+        lines += [f"## {case}: {result['title']}", "",
+                  f"Effort: {result['effort']}; commit {result['revision']}.", "", result["text"], ""]
         if result["error"]:
             lines += [f"**Not finished**: {result['error']}", ""]
         if plots and (folder / f"{case}.png").exists():
@@ -209,15 +225,16 @@ def write_whole(path, text):
 def validate(options):
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
     results = ROOT / "runs" / f"validation-{stamp}"
+    results.mkdir(parents=True, exist_ok=True)
     outcome = {"effort": options.effort, "cases": {}}
     for case in options.cases or cases():
         outcome["cases"][case] = validate_case(case, options, results)
+        for path in filter(None, (results / "validation.json", options.json)):
+            write_whole(path, json.dumps(outcome, indent=1) + "\n")
+        if options.report:
+            write_report(case, outcome["cases"][case], options.report)
     print(f"\nResults: {results}")
-    results.mkdir(parents=True, exist_ok=True)
-    for path in filter(None, (results / "validation.json", options.json)):
-        write_whole(path, json.dumps(outcome, indent=1) + "\n")
     if options.report:
-        write_report(outcome, options.report)
         print(f"Report: {options.report}/report.md")
     return 1 if any(result["missed"] for result in outcome["cases"].values()) else 0
 

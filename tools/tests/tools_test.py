@@ -19,7 +19,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 import paths  # noqa: E402
 import pictures  # noqa: E402
 import run_folder  # noqa: E402
-import scheme_table  # noqa: E402
+import scheme_table  # noqa: E402 (makes validation/ known)
+import validate  # noqa: E402
 import validation_plots  # noqa: E402
 
 STARTS = [(0.04, 0.04), (0.11, 0.04), (0.04, 0.11), (0.11, 0.11)]  # x, y of tags 1 to 4: B1, B2, A1, A2
@@ -309,6 +310,16 @@ class ValidationPlotsTest(RunTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((self.folder / "dam.png").exists())
         self.assertFalse((self.folder / "nothing.png").exists())
+
+    def test_a_report_keeps_the_cases_that_are_not_run_again(self):
+        case = {"title": "Wave", "effort": "full", "revision": "abc", "error": None, "text": "old", "curves": [],
+                "bars": []}
+        for name, text in (("wave", "old"), ("drop", "from another run"), ("wave", "new")):
+            validate.write_report(name, case | {"text": text}, self.folder)
+        report = (self.folder / "report.md").read_text()
+        self.assertLess(report.index("from another run"), report.index("new"))  # by name
+        self.assertNotIn("old", report)
+        self.assertIn("Effort: full; commit abc.", report)
 
     def test_missing_results(self):
         done = run("validation_plots.py", self.folder)
