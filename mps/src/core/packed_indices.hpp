@@ -69,7 +69,8 @@ class PackedIndices {
     }
     friend Iterator operator+(Iterator it, std::ptrdiff_t n) { return it += n; }
     friend std::ptrdiff_t operator-(Iterator a, Iterator b) { return (a.at_ - b.at_) / width; }
-    friend auto operator<=>(Iterator a, Iterator b) = default;
+    friend bool operator==(Iterator a, Iterator b) { return a.at_ == b.at_; }
+    friend bool operator<(Iterator a, Iterator b) { return a.at_ < b.at_; }
 
    private:
     const std::uint8_t* at_ = nullptr;

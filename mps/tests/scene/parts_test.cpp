@@ -180,7 +180,7 @@ TEST_F(SceneFile, PeriodicDirectionsAreChecked) {
              "nearest: 1 m");
   EXPECT_HAS(error(replaced(replaced(flat_, "upper = [1, 1]", "upper = [0.05, 1]\nperiodic = [\"x\"]"),
                             "upper = [1, 0.5]", "upper = [0.05, 0.5]")),
-             "the domain's length in x, 0.05 m, is less than twice the support and skin; allowed: >= 0.068");
+             "the domain's length in x, 0.05 m, is less than twice the support and skin; allowed: >= 0.067");
   EXPECT_HAS(error_with("periodic = []", "periodic = [\"x\"]"),
              "scene.toml:14: domain.periodic: bodies in a periodic domain are not possible yet");
 
