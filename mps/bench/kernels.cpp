@@ -149,7 +149,7 @@ double support_of(const benchmark::State& state) { return 0.1 * static_cast<doub
 /// Work of a sweep over the water, which reads and writes `bytes` a particle beside the lists.
 Work water_sweep(const Block& b, double flops_per_pair, double bytes) {
   const auto n = static_cast<double>(b.particles.water);
-  return {n, b.water_pairs, b.water_within, flops_per_pair, n * bytes + 4 * b.water_pairs};
+  return {n, b.water_pairs, b.water_within, flops_per_pair, n * bytes + PackedIndices::width * b.water_pairs};
 }
 
 void density(benchmark::State& state) {
