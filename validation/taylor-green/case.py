@@ -13,8 +13,8 @@ import numpy as np
 TITLE = "Taylor-Green vortices, 2-D and 3-D"
 WAVE, DENSITY = 2 * np.pi, 1000
 CELLS = {"quick": (25, 50), "normal": (25, 50, 100), "full": (25, 50, 100, 200)}
-CELLS_3D = {"quick": (20,), "normal": (20, 40), "full": (20, 40, 60)}
-HELD, HELD_3D = 50, 40  # cells from which on the bars must be met
+CELLS_3D = {"quick": (20,), "normal": (25, 50), "full": (25, 50, 75)}
+HELD = 50  # cells from which on the bars must be met
 
 
 def lattice(cells, dimension):
@@ -94,7 +94,7 @@ def measure_3d(context, reynolds):
                            f"water.vortices.file={particles}"])
         energy = run.table("energies.csv")["kinetic"][-1] / DENSITY
         places, speeds = at_end(run.folder)
-        name, held, source = f"3-D, Re {reynolds}, L/{cells}", cells >= HELD_3D, "spectral, 32^3 modes"
+        name, held, source = f"3-D, Re {reynolds}, L/{cells}", cells >= HELD, "spectral, 32^3 modes"
         yield run.bar(f"{name}: kinetic energy", 100 * (energy / reference.energy() - 1), -1, 1, "%", source, held)
         yield run.bar(f"{name}: velocity, L2", relative_l2(speeds, reference.at(places)), 0, 1, "%", source, held)
         rate = np.log(start / energy) / np.log(start / reference.energy())

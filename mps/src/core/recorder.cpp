@@ -168,24 +168,27 @@ void Recorder::write_energies() {
   listed_ += static_cast<std::int64_t>(2 * simulation_.neighbours().pairs());  // as Counters::pair_sweeps
   if (start_.particles == 0) {
     start_ = now_;
+    lowest_energy_ = start_.energy.total();
     write_stage();
   }
   most_outside_ = std::max(most_outside_, now_.outside_tank);
   most_inside_ = std::max(most_inside_, now_.inside_bodies);
   deepest_ = std::max(deepest_, now_.deepest_in_body);
   farthest_outside_ = std::max(farthest_outside_, now_.farthest_outside_tank);
-  largest_energy_gain_ = std::max(largest_energy_gain_, now_.energy.total() - start_.energy.total());
+  const double total = now_.energy.total();
+  largest_energy_gain_ = std::max(largest_energy_gain_, total - start_.energy.total());
+  lowest_energy_ = std::min(lowest_energy_, total);
+  largest_energy_rise_ = std::max(largest_energy_rise_, total - lowest_energy_);
   if (now_.compressed_share > compressed_share_) {
     compressed_share_ = now_.compressed_share;
     compressed_at_ = simulation_.time();
   }
   largest_energy_ = std::max({largest_energy_, now_.energy.kinetic, now_.energy.elastic});
   if (rank_ != 0) return;
-  energies_->row(std::vector<double>{simulation_.time(), now_.energy.kinetic, now_.energy.potential,
-                                     now_.energy.elastic, now_.energy.total(), now_.mass, now_.momentum[0],
-                                     now_.momentum[1], now_.momentum[2], now_.volume_ratio,
-                                     static_cast<double>(now_.outside_tank), static_cast<double>(now_.inside_bodies),
-                                     now_.deepest_in_body, now_.farthest_outside_tank});
+  energies_->row(std::vector<double>{
+      simulation_.time(), now_.energy.kinetic, now_.energy.potential, now_.energy.elastic, total, now_.mass,
+      now_.momentum[0], now_.momentum[1], now_.momentum[2], now_.volume_ratio, static_cast<double>(now_.outside_tank),
+      static_cast<double>(now_.inside_bodies), now_.deepest_in_body, now_.farthest_outside_tank});
   energies_->flush();
 }
 
@@ -350,7 +353,7 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   energy.set("kinetic", now_.energy.kinetic)
       .set("potential", now_.energy.potential)
       .set("elastic", now_.energy.elastic);
-  energy.set("largest_gain", largest_energy_gain_);
+  energy.set("largest_gain", largest_energy_gain_).set("largest_rise", largest_energy_rise_);
   json.set("mass", now_.mass);
   json.set("momentum", Json::Array{now_.momentum[0], now_.momentum[1], now_.momentum[2]});
   json.set("volume_ratio_start", start_.volume_ratio).set("volume_ratio_end", now_.volume_ratio);

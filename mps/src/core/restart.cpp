@@ -203,6 +203,8 @@ void Recorder::save(CheckpointContent& content) const {
   content.numbers["start_elastic"] = start_.energy.elastic;
   content.numbers["start_volume_ratio"] = start_.volume_ratio;
   content.numbers["largest_energy_gain"] = largest_energy_gain_;
+  content.numbers["lowest_energy"] = lowest_energy_;
+  content.numbers["largest_energy_rise"] = largest_energy_rise_;
   content.numbers["compressed_share"] = compressed_share_;
   content.numbers["compressed_at"] = compressed_at_;
   content.numbers["deepest_in_body"] = deepest_;
@@ -246,6 +248,8 @@ void Recorder::restore(const CheckpointReader& checkpoint) {
   most_inside_ = checkpoint.count("most_inside");
   deepest_ = checkpoint.number("deepest_in_body");
   largest_energy_gain_ = checkpoint.number("largest_energy_gain");
+  lowest_energy_ = checkpoint.number("lowest_energy");
+  largest_energy_rise_ = checkpoint.number("largest_energy_rise");
   compressed_share_ = checkpoint.number("compressed_share");
   compressed_at_ = checkpoint.number("compressed_at");
   earlier_seconds_ = checkpoint.number("wall_seconds");

@@ -203,6 +203,7 @@ void Simulation::find_neighbours(double time) {
     if (anywhere_ || walls_.any_moves()) migrate_wall_points(reach);
     anywhere_ = false;
     particles_.assign(water, neighbours_.cell_order(water));
+    acceleration_.clear();
   }
   std::vector<Traveller> ghost_water, ghost_solid;
   {
@@ -551,6 +552,13 @@ void Simulation::check_window() {
   for (std::size_t i = 0; bodies_ && i < particles_.water; ++i) {
     extremes_.body_penetration = std::max(extremes_.body_penetration, bodies_->penetration(particles_.record[i].x));
   }
+}
+
+Triple Simulation::half_kick(std::size_t water) const {
+  if (scene_.numerics.integrator != Integrator::leapfrog || acceleration_.empty()) return {};
+  const Triple& a = acceleration_[water];
+  const double half = 0.5 * constants_.step;
+  return {half * a[0], half * a[1], half * a[2]};
 }
 
 std::size_t Simulation::bytes() const {

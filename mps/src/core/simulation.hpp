@@ -98,6 +98,8 @@ class Simulation {
   [[nodiscard]] double imbalance() const { return imbalance_; }
   [[nodiscard]] std::int64_t removed_at_start() const { return removed_at_start_; }
   [[nodiscard]] std::size_t bytes() const;
+  /// By how much the velocity [m/s] of an own water particle is ahead of its position: half a step of the leapfrog.
+  [[nodiscard]] Triple half_kick(std::size_t water) const;
 
  private:
   using Timer = Phases::Timer;
@@ -160,7 +162,8 @@ class Simulation {
   int steps_per_window_ = 1;
 
   std::vector<Record> start_;  ///< own particles at the start of a step of step_symplectic()
-  std::vector<Triple> acceleration_, point_acceleration_;
+  std::vector<Triple> acceleration_;  ///< of the own water in the last step; empty: none since the last order
+  std::vector<Triple> point_acceleration_;
   Reactions reaction_;
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body
   Triple guard_reaction_{};                  ///< of the guard on all walls [N]

@@ -7,6 +7,7 @@
 
 #include "core/constants.hpp"
 #include "core/neighbours.hpp"
+#include "embacle/coupling/types.hpp"
 #include "small_scenes.hpp"
 
 namespace embacle::mps {
@@ -106,6 +107,15 @@ TEST(Neighbours, AStrayParticleFarAwayDoesNotExhaustMemory) {
   EXPECT_EQ(listed(neighbours.of_water(0).begin, neighbours.of_water(0).middle, particles.sentinel()),
             std::vector<std::uint32_t>{1});
   EXPECT_LT(neighbours.bytes(), 10000U);
+}
+
+TEST(Neighbours, MoreParticlesThanAnIndexCountsAreRefused) {
+  std::vector<Traveller> water{at(0, 0, 0, -1)};
+  Particles particles;
+  particles.assign(water);
+  particles.ghost_solid = 0xffffff;  // with the one of water, one too many
+  Neighbours neighbours(2, 0.02);
+  EXPECT_THROW(neighbours.build(particles, Walls(test::still_tank(2, 4), 2, 3), {}), coupling::InputError);
 }
 
 TEST(Neighbours, AThinWallHidesTheOtherSide) {
