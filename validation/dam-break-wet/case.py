@@ -2,8 +2,9 @@
 
 Shallow water theory wants a hydrostatic pressure, so it holds late (t sqrt(g/h0) > 8, the bore has gone many depths) and
 away from steep places: the front of the bore itself, and the tip on a dry bed, where water is thinner than the particles.
-Its own bores are sharp; water makes an undular or breaking one, of the same mean speed and depth. Depth is the volume of
-water per length of channel. Exact states: stoker.csv (rarefaction and Rankine-Hugoniot), ritter.csv (self-similar).
+Its own bores are sharp; water makes an undular or breaking one, of the same mean speed and depth. Where such a bore is: at
+the step in depth that holds as much water (a level of a front that spreads has its own speed; that at half the height is
+reported beside it). Depth is the volume of water per length of channel. Exact states: stoker.csv (rarefaction and Rankine-Hugoniot), ritter.csv (self-similar).
 """
 
 import sys
@@ -38,7 +39,7 @@ class Profiles:
         lower = width * np.floor(min(row[0][row[2] == 0, 0].min() for row in rows) / width)
         upper = max(row[0][row[2] == 0, 0].max() for row in rows)
         edges = np.arange(lower, upper + 2 * width, width)
-        self.x = 0.5 * (edges[1:] + edges[:-1])
+        self.x, self.width = 0.5 * (edges[1:] + edges[:-1]), width
         self.depth, self.velocity = [], []
         for position, velocity, kind in rows:
             place, speed = position[kind == 0, 0], velocity[kind == 0, 0]
@@ -51,6 +52,14 @@ class Profiles:
         depth = self.depth[frame]
         k = np.nonzero((depth[:-1] >= level) & (depth[1:] < level))[0][-1]
         return self.x[k] + (depth[k] - level) / (depth[k] - depth[k + 1]) * (self.x[k + 1] - self.x[k])
+
+    def step(self, frame, begin, level, downstream):
+        """Place of the step from a level down to the depth downstream that holds the water beyond `begin`."""
+        depth = self.depth[frame]
+        beyond = np.nonzero((self.x > begin) & (depth > 0))[0][:-1]  # the end of the channel cuts the last bin
+        volume = (depth[beyond] - downstream).sum() * self.width
+        return self.x[beyond[0]] - 0.5 * self.width + volume / (level - downstream)
+
 
 
 def exact(folder, downstream):
@@ -65,12 +74,12 @@ def stoker(context, run, label, profiles, downstream, held):
     state = exact(context.folder, downstream)
     depth, velocity, bore = state["h_mid_m"], state["u_mid_m_s"], state["shock_speed_m_s"]
     late = [k for k, time in enumerate(profiles.times) if time >= BEGIN]
-    places = [profiles.farthest(k, 0.5 * (depth + downstream)) for k in late]
-    speed = np.polyfit(profiles.times[late], places, 1)[0]
-    depths, velocities = [], []
+    half = [profiles.farthest(k, 0.5 * (depth + downstream)) for k in late]
+    steps, depths, velocities = [], [], []
     for k in late:
         plateau = (profiles.x > 0.2 * bore * profiles.times[k]) & (profiles.x < 0.8 * bore * profiles.times[k])
         depths.append(profiles.depth[k][plateau].mean())
+        steps.append(profiles.step(k, 0.8 * bore * profiles.times[k], depths[-1], downstream))
         velocities.append(profiles.velocity[k][plateau].mean())
     panel = f"{100 * downstream:g} cm downstream, {profiles.times[-1]:.1f} s; x / (c0 t); h / h0"
     end = profiles.times[-1] * WAVE
@@ -81,7 +90,9 @@ def stoker(context, run, label, profiles, downstream, held):
     shown = (profiles.x > -1.4 * end) & (profiles.x < 1.6 * end)
     context.curve(panel, label, profiles.x[shown] / end, profiles.depth[-1][shown] / DEPTH)
     source = f"Stoker: {bore:.3f} m/s, {depth:.4f} m, {velocity:.3f} m/s"
-    yield run.bar(f"{label}: speed of the bore", 100 * (speed / bore - 1), -2, 2, "%", source, held)
+    for name, places, required in (("", steps, held), (" at half its height", half, False)):
+        speed = np.polyfit(profiles.times[late], places, 1)[0]
+        yield run.bar(f"{label}: speed of the bore{name}", 100 * (speed / bore - 1), -2, 2, "%", source, required)
     for name, values, theory in (("depth", depths, depth), ("velocity", velocities, velocity)):
         yield run.bar(f"{label}: {name} of the plateau", 100 * (np.mean(values) / theory - 1), -3, 3, "%", source, held)
 
