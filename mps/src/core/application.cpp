@@ -28,8 +28,10 @@ namespace embacle::mps {
 
 namespace {
 
-/// Windows between two looks at the balance and at the plan.
-constexpr int windows_per_epoch = 50;
+/// Windows between two looks at the balance: in the violent phase of a dam break work shifts by 7 % in 50 of them.
+constexpr int windows_per_epoch = 20;
+/// With solids each look plans the coupling anew.
+constexpr int windows_per_coupled_epoch = 50;
 /// Measured on a 2.4 GHz EPYC core: listed directed pairs per second, both sweeps; for the estimate of --check only.
 constexpr double pairs_per_second = 2.0e8;
 
@@ -285,9 +287,9 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
     const double left = std::ceil((scene.end_time - simulation.time()) / simulation.window_length() - 1e-6);
     if (!ends_the_run(agreed)) agreed = control.agree(own);
     // Epochs begin at the same steps whether the run was restarted in between or not.
+    const int length = link ? windows_per_coupled_epoch : windows_per_epoch;
     const int into = link ? 0 : static_cast<int>(simulation.counters().windows % windows_per_epoch);
-    const int wanted =
-        ends_the_run(agreed) ? 0 : static_cast<int>(std::clamp(left, 0.0, double{windows_per_epoch} - into));
+    const int wanted = ends_the_run(agreed) ? 0 : static_cast<int>(std::clamp(left, 0.0, double(length - into)));
     const int windows = into > 0 && wanted > 0 ? wanted : simulation.begin_epoch(wanted);
     if (windows == 0) break;
     if (!started) recorder.record(false);
