@@ -42,6 +42,14 @@ void write(Writer& out, const SolidTerms& terms) {
     out.put(shape.kind);
     out.put(shape.size);
     out.put(shape.density);
+    if (!shape.polyhedron) continue;
+    std::vector<Vec3> corners, polygon;
+    for (const Triangle& triangle : shape.polyhedron->surface.triangles()) {
+      corners.insert(corners.end(), triangle.begin(), triangle.end());
+    }
+    for (const auto& corner : shape.polyhedron->polygon) polygon.emplace_back(corner.x(), corner.y(), 0.0);
+    out.put(corners);
+    out.put(polygon);
   }
 }
 
@@ -56,6 +64,15 @@ void read(Reader& in, SolidTerms& terms) {
     in.get(shape.kind);
     in.get(shape.size);
     in.get(shape.density);
+    if (shape.kind != ShapeKind::prism && shape.kind != ShapeKind::surface) continue;
+    std::vector<Triangle> triangles;
+    std::vector<Eigen::Vector2d> polygon;
+    const auto corners = in.get<std::vector<Vec3>>();
+    for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
+      triangles.push_back({corners[k], corners[k + 1], corners[k + 2]});
+    }
+    for (const Vec3& corner : in.get<std::vector<Vec3>>()) polygon.emplace_back(corner.head<2>());
+    shape.polyhedron = make_polyhedron(std::move(triangles), std::move(polygon));
   }
 }
 
@@ -69,7 +86,7 @@ std::uint64_t hash(const Bytes& bytes) {
 std::string text(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
 
 std::string reasons_against(const Shape& shape) {
-  const int lengths = shape.kind == ShapeKind::box ? 3 : shape.kind == ShapeKind::cylinder ? 2 : 1;
+  const int lengths = shape.kind == ShapeKind::sphere ? 1 : shape.kind == ShapeKind::cylinder ? 2 : 3;
   for (int i = 0; i < lengths; ++i) {
     if (!(shape.size[i] > 0) || !std::isfinite(shape.size[i])) {
       return fmt::format("shape '{}' has the size {} m; every length must be > 0", shape.name, text(shape.size));

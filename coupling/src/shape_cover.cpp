@@ -1,10 +1,13 @@
-// Covering spheres of the shapes for contacts: inscribed, so that they touch the faces from inside.
+// Covering spheres of the shapes for contacts: inscribed, so that they touch the faces from inside. Boxes and cylinders
+// have lattices; prisms and solids of triangles places at one depth, chosen farthest from each other.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "covering_error.hpp"
 #include "embacle/coupling/shape.hpp"
 
 namespace embacle::coupling {
@@ -58,20 +61,142 @@ std::vector<CoveringSphere> cover_cylinder(double cylinder_radius, double length
   return spheres;
 }
 
+/// Moves a centre to the depth `radius` below all faces near it, into the corner where they are several. False if there
+/// is no room for a sphere.
+bool settle(const ClosedSurface& surface, double radius, Vec3& centre) {
+  double before = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < 400; ++pass) {
+    Vec3 normal;
+    const double excess = surface.distance(centre, &normal) + radius;
+    if (std::abs(excess) <= 1e-9 * radius) return true;
+    if (pass % 16 == 15) {  // to and fro over the middle of a thin part
+      if (std::abs(excess) > 0.9 * before) return false;
+      before = std::abs(excess);
+    }
+    centre -= excess * normal;
+  }
+  return false;
+}
+
+/// Where spheres can be: below the parts of the surface, inside.
+struct Places {
+  std::vector<Vec3> centres;
+  std::vector<bool> at_corner;
+};
+
+Places places_for(const Shape& shape, double radius, double spacing) {
+  Places places;
+  const ClosedSurface& surface = shape.polyhedron->surface;
+  shape.visit_surface(spacing, [&](const Vec3& place, const Vec3& area) {
+    const bool corner = area.isZero(0);
+    Vec3 normal = area.normalized();
+    if (corner) (void)surface.distance(place, &normal);
+    Vec3 centre = place - radius * normal;
+    if (!settle(surface, radius, centre)) return;
+    places.centres.push_back(centre);
+    places.at_corner.push_back(corner);
+  });
+  return places;
+}
+
+/// Chooses places one by one, each the farthest from those chosen, from the outermost on, until there are `most` or
+/// none is farther than `hole` [m]. Corners go before others that are at most sqrt 2 farther.
+std::vector<CoveringSphere> farthest_first(const Places& places, double radius, double hole, int most) {
+  const std::vector<Vec3>& centres = places.centres;
+  std::vector<CoveringSphere> chosen;
+  std::vector<double> square(centres.size());
+  std::transform(centres.begin(), centres.end(), square.begin(), [](const Vec3& place) { return place.squaredNorm(); });
+  while (static_cast<int>(chosen.size()) < most && !centres.empty()) {
+    std::size_t next = 0, corner = centres.size();
+    for (std::size_t k = 0; k < centres.size(); ++k) {
+      if (square[k] > square[next]) next = k;
+      if (places.at_corner[k] && (corner == centres.size() || square[k] > square[corner])) corner = k;
+    }
+    if (!chosen.empty() && square[next] <= hole * hole) break;
+    if (corner < centres.size() && square[corner] >= 0.5 * square[next]) next = corner;
+    if (chosen.empty()) std::fill(square.begin(), square.end(), std::numeric_limits<double>::infinity());
+    chosen.push_back({centres[next], radius});
+    for (std::size_t k = 0; k < centres.size(); ++k) {
+      square[k] = std::min(square[k], (centres[k] - centres[next]).squaredNorm());
+    }
+  }
+  return chosen;
+}
+
+/// The covering of a prism or surface; `radius` 0 tries several.
+std::vector<CoveringSphere> cover_polyhedron(const Shape& shape, double radius, double spacing, double hole, int most) {
+  if (radius > 0) return farthest_first(places_for(shape, radius, spacing), radius, hole, most);
+  std::vector<CoveringSphere> best;
+  double smallest = std::numeric_limits<double>::infinity();
+  const double largest = shape.inscribed_radius();
+  for (int k = 0; k <= 6; ++k) {
+    const double tried = largest * std::pow(2.0, -0.5 * k);
+    auto spheres = farthest_first(places_for(shape, tried, spacing), tried, hole, most);
+    if (spheres.empty()) continue;
+    const double gap = surface_gaps(shape, spheres, spacing).largest;
+    if (gap >= smallest) continue;
+    smallest = gap;
+    best = std::move(spheres);
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<CoveringSphere> Shape::covering_spheres(double spacing, double radius) const {
   if (kind == ShapeKind::sphere) return {{Vec3::Zero(), size.x()}};
-  const double thickness = kind == ShapeKind::box ? size.minCoeff() : std::min(2.0 * size.x(), size.y());
-  if (!(spacing > 0) || radius < 0 || radius > 0.5 * thickness * (1 + 1e-12)) {
-    throw InputError(
-        fmt::format("shape '{}': covering spheres need a spacing > 0 and a radius of at most half the "
-                    "smallest extent ({} m), not {} m and {} m",
-                    name, 0.5 * thickness, spacing, radius));
+  const double largest = inscribed_radius();
+  if (!(spacing > 0) || radius < 0 || radius > largest * (1 + 1e-9)) {
+    throw InputError(fmt::format(
+        "shape '{}': covering spheres need a spacing > 0 and a radius of at most that of the largest sphere "
+        "inside ({} m), not {} m and {} m",
+        name, largest, spacing, radius));
   }
-  if (radius == 0) radius = 0.5 * thickness / static_cast<double>(std::max(1L, std::lround(thickness / spacing)));
+  if (radius == 0 && kind != ShapeKind::surface) {
+    radius = largest / static_cast<double>(std::max(1L, std::lround(2 * largest / spacing)));
+  }
   if (kind == ShapeKind::box) return cover_box(size, spacing, radius);
-  return cover_cylinder(size.x(), size.y(), spacing, radius);
+  if (kind == ShapeKind::cylinder) return cover_cylinder(size.x(), size.y(), spacing, radius);
+  const double parts = std::min({spacing / 3, 0.5 * largest, radius > 0 ? radius : largest});
+  return cover_polyhedron(*this, radius, parts, spacing / std::numbers::sqrt2, std::numeric_limits<int>::max());
+}
+
+std::vector<CoveringSphere> Shape::covering_spheres_of_count(int count, double radius) const {
+  if (kind == ShapeKind::sphere && count > 0) return {{Vec3::Zero(), size.x()}};
+  const double largest = inscribed_radius();
+  if (count < 1 || radius < 0 || radius > largest * (1 + 1e-9)) {
+    throw InputError(fmt::format(
+        "shape '{}': a covering needs at least one sphere and a radius of at most that of the largest sphere "
+        "inside ({} m), not {} and {} m",
+        name, largest, count, radius));
+  }
+  if (kind == ShapeKind::prism || kind == ShapeKind::surface) {
+    const double parts = std::min(std::sqrt(surface_area() / count) / 3, 0.5 * largest);
+    return cover_polyhedron(*this, radius, parts, 1e-6 * largest, count);
+  }
+  // The finest lattice that has no more: from coarse to fine, then between the last two spacings.
+  double coarse = 2 * bounding_radius(), fine = coarse;
+  std::vector<CoveringSphere> best = covering_spheres(coarse, radius);
+  if (static_cast<int>(best.size()) > count) {
+    throw InputError(fmt::format("shape '{}': a covering needs at least {} spheres{}, not {}", name, best.size(),
+                                 radius > 0 ? fmt::format(" of radius {} m", radius) : "", count));
+  }
+  const auto try_spacing = [&](double spacing) {
+    auto spheres = covering_spheres(spacing, radius);
+    const bool fits = static_cast<int>(spheres.size()) <= count;
+    if (fits && spheres.size() >= best.size()) best = std::move(spheres);
+    return fits;
+  };
+  while (try_spacing(fine)) {
+    coarse = fine;
+    fine *= 0.8;
+    if (fine < 1e-6 * bounding_radius()) return best;
+  }
+  for (int halving = 0; halving < 30; ++halving) {
+    const double middle = 0.5 * (coarse + fine);
+    (try_spacing(middle) ? coarse : fine) = middle;
+  }
+  return best;
 }
 
 }  // namespace embacle::coupling

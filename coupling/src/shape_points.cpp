@@ -12,6 +12,8 @@
 #include <numbers>
 
 #include "embacle/coupling/shape.hpp"
+#include "polyhedron.hpp"
+#include "shape_pieces.hpp"
 
 namespace embacle::coupling {
 
@@ -161,23 +163,44 @@ std::vector<ShapePoint> sphere_points(double radius, double spacing, double dept
 
 }  // namespace
 
-std::vector<ShapePoint> Shape::points(double spacing, double depth, int dimension) const {
+std::vector<ShapePoint> Shape::points(double spacing, double depth, int dimension,
+                                      std::vector<SurfacePiece>* pieces) const {
   if (!(spacing > 0) || (dimension != 2 && dimension != 3)) {
     throw InputError(fmt::format("shape '{}': points need a spacing > 0 and dimension 2 or 3, not {} m and {}", name,
                                  spacing, dimension));
   }
+  std::vector<ShapePoint> points;
   switch (kind) {
     case ShapeKind::box:
-      return box_points(size, spacing, depth, dimension);
+      points = box_points(size, spacing, depth, dimension);
+      break;
     case ShapeKind::sphere:
-      if (dimension == 2) return cylinder_points(size.x(), 0.0, spacing, depth, 0);
-      return sphere_points(size.x(), spacing, depth);
+      points =
+          dimension == 2 ? cylinder_points(size.x(), 0.0, spacing, depth, 0) : sphere_points(size.x(), spacing, depth);
+      break;
     case ShapeKind::cylinder: {
       const int layers = dimension == 2 ? 0 : layers_in(size.y(), spacing);
-      return cylinder_points(size.x(), size.y(), spacing, depth, layers);
+      points = cylinder_points(size.x(), size.y(), spacing, depth, layers);
+      break;
+    }
+    case ShapeKind::prism:
+    case ShapeKind::surface: {
+      if (dimension == 2 && kind == ShapeKind::surface) {
+        throw InputError(fmt::format("shape '{}': a solid of triangles has no points in two dimensions", name));
+      }
+      std::vector<SurfacePiece> own;
+      points = polyhedron_points(*this, spacing, depth, dimension, own);
+      for (const SurfacePiece& piece : own) {
+        const double area = piece.area.norm();
+        add_face(points[piece.point], piece.area / area, area);
+      }
+      for (ShapePoint& point : points) finish(point);
+      if (pieces != nullptr) *pieces = std::move(own);
+      return points;
     }
   }
-  return {};
+  if (pieces != nullptr) *pieces = pieces_of_points(*this, points);
+  return points;
 }
 
 }  // namespace embacle::coupling

@@ -149,7 +149,9 @@ inline SolidTerms solid_terms(const Scenario& scenario) {
   terms.domain = {Vec3::Zero(), Vec3(length, 1, 1)};
   terms.surface_pressure_every = scenario.pressures_every;
   terms.shapes = {{"cube", ShapeKind::box, Vec3::Constant(0.1), 900},
-                  {"ball", ShapeKind::sphere, Vec3(radius, 0, 0), 900}};
+                  {"ball", ShapeKind::sphere, Vec3(radius, 0, 0), 900},
+                  make_prism({{0, 0}, {0.3, 0}, {0.1, 0.2}}, 0.1, 900)};
+  terms.shapes.back().name = "wedge";
   return terms;
 }
 
@@ -187,8 +189,15 @@ inline void check_sums(FluidLink& link, int rank) {
 inline void run_fluid(const Scenario& scenario, const Participants& who, MPI_Comm own, const YieldHook& yield,
                       Seen& seen) {
   FluidLink link(who, own, fluid_terms(scenario), yield);
-  EXPECT_EQ(link.solid().shapes.size(), 2u);
+  EXPECT_EQ(link.solid().shapes.size(), 3u);
   EXPECT_EQ(link.solid().shapes.at(1).name, "ball");
+  const Shape &wedge = link.solid().shapes.at(2), stated = solid_terms(scenario).shapes.at(2);
+  EXPECT_EQ(wedge.name, "wedge");
+  EXPECT_EQ(wedge.kind, ShapeKind::prism);
+  EXPECT_EQ(wedge.size, stated.size);
+  EXPECT_EQ(wedge.polyhedron->polygon, stated.polyhedron->polygon);
+  EXPECT_EQ(wedge.polyhedron->surface.triangles(), stated.polyhedron->surface.triangles());
+  EXPECT_EQ(wedge.mass_properties().inertia, stated.mass_properties().inertia);
   const int rank = rank_of(own);
   const Box region = slab(rank, size_of(own));
 

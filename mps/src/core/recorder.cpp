@@ -243,11 +243,16 @@ void Recorder::write_stage() const {
   if (simulation_.bodies() != nullptr) {
     for (const auto& shape : simulation_.bodies()->shapes()) {
       Json& entry = json.append("shapes");
-      entry.set("kind", shape.kind == coupling::ShapeKind::box      ? "box"
-                        : shape.kind == coupling::ShapeKind::sphere ? "sphere"
-                                                                    : "cylinder");
+      static constexpr const char* kinds[] = {"box", "sphere", "cylinder", "prism", "surface"};
+      entry.set("kind", kinds[static_cast<int>(shape.kind)]);
       entry.set("size", Json::Array{shape.size[0], shape.size[1], shape.size[2]});
       entry.set("density", shape.density);
+      if (!shape.polyhedron) continue;
+      Json::Array corners;  // nine numbers a triangle, in the body frame
+      for (const auto& triangle : shape.polyhedron->surface.triangles()) {
+        for (const auto& corner : triangle) corners.insert(corners.end(), corner.begin(), corner.end());
+      }
+      entry.set("triangles", corners);
     }
   }
   for (std::size_t k = 0; k + 1 < all.size(); k += 2) {

@@ -4,9 +4,25 @@
 #include <cmath>
 #include <numbers>
 
+#include "embacle/coupling/layers.hpp"
 #include "embacle/coupling/shape.hpp"
 
 namespace embacle::mps {
+
+namespace {
+
+coupling::Vec3 vector(const double* x) { return {x[0], x[1], x[2]}; }
+
+std::vector<coupling::Triangle> triangles_of(const Surface& surface) {
+  std::vector<coupling::Triangle> result;
+  for (const Triangle& triangle : surface.triangles) {
+    const auto& [a, b, c] = triangle.corner;
+    result.push_back({vector(a.data()), vector(b.data()), vector(c.data())});
+  }
+  return result;
+}
+
+}  // namespace
 
 Solid::Solid(const Form& form, int dimension)
     : form_(form),
@@ -21,7 +37,7 @@ Solid::Solid(const Form& form, int dimension)
     low_ = form.from;
     high_ = form.to;
   } else if (form.kind == Form::Kind::stl) {
-    mesh_.emplace(form.surface->triangles);
+    mesh_.emplace(triangles_of(*form.surface));
   }
 }
 
@@ -68,7 +84,12 @@ double Solid::planar_distance(double u, double v, double& nu, double& nv) const 
 }
 
 double Solid::distance(const double* x, Vec3d* normal) const {
-  if (mesh_) return mesh_->distance(x, normal);
+  if (mesh_) {
+    coupling::Vec3 there;
+    const double below = mesh_->distance(vector(x), &there);
+    if (normal != nullptr) *normal = {there.x(), there.y(), there.z()};
+    return below;
+  }
   Vec3d n{};
   double result = 0;
   if (form_.kind == Form::Kind::sphere) {
@@ -110,13 +131,7 @@ double Solid::volume() const {
     case Form::Kind::cylinder:
       return pi * r * r * (dimension_ == 2 ? 1.0 : form_.length);
     case Form::Kind::stl:
-      for (const Triangle& triangle : form_.surface->triangles) {
-        const auto& [a, b, c] = triangle.corner;
-        result += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-                   a[2] * (b[0] * c[1] - b[1] * c[0])) /
-                  6;
-      }
-      return result;
+      return coupling::solid_moments(mesh_->triangles()).volume;
     default:
       for (std::size_t k = 0; k < form_.polygon.size(); ++k) {
         const Vec3d& a = form_.polygon[k];
@@ -129,28 +144,18 @@ double Solid::volume() const {
 
 std::vector<Vec3d> Solid::points(double spacing, double depth) const {
   if (form_.kind == Form::Kind::cylinder || form_.kind == Form::Kind::sphere) return round_points(spacing, depth);
-  // The cells of a lattice whose centres lie within the depth, each moved along the normal onto the nearest layer: the
-  // lattice itself where faces fit it, and everywhere as many points as the layer has room for.
   const BoxRegion box = bounds(form_, dimension_);
-  int count[3] = {1, 1, 1};
-  for (int c = 0; c < dimension_; ++c) {
-    count[c] = std::max(1, static_cast<int>(std::ceil((box.upper[c] - box.lower[c]) / spacing - 1e-6)));
-  }
+  const auto distance_to = [&](const coupling::Vec3& place, coupling::Vec3& away) {
+    Vec3d normal{};
+    const double result = distance(place.data(), &normal);
+    away = vector(normal.data());
+    return result;
+  };
   std::vector<Vec3d> result;
-  for (int k = 0; k < count[2]; ++k) {
-    for (int j = 0; j < count[1]; ++j) {
-      for (int i = 0; i < count[0]; ++i) {
-        Vec3d x{box.lower[0] + (i + 0.5) * spacing, box.lower[1] + (j + 0.5) * spacing,
-                dimension_ == 3 ? box.lower[2] + (k + 0.5) * spacing : 0.0};
-        Vec3d normal{};
-        const double below = -distance(x.data(), &normal);
-        if (below <= 0) continue;
-        const double layer = (std::floor(below / spacing * (1 + 1e-9)) + 0.5) * spacing;
-        if (layer > depth) continue;
-        for (int c = 0; c < 3; ++c) x[c] += (below - layer) * normal[c];
-        result.push_back(x);
-      }
-    }
+  for (const coupling::LayerPoint& point :
+       coupling::layer_points({vector(box.lower.data()), vector(box.upper.data())}, coupling::Vec3::Constant(spacing),
+                              dimension_, spacing, depth, distance_to)) {
+    result.push_back({point.position.x(), point.position.y(), point.position.z()});
   }
   return result;
 }

@@ -4,7 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/mesh.hpp"
+#include "embacle/coupling/closed_surface.hpp"
+#include "scene/scene.hpp"
 
 namespace embacle::mps {
 
@@ -33,7 +34,7 @@ class Solid {
   int dimension_;
   int u_, v_, w_;              ///< axes across and along
   double low_ = 0, high_ = 0;  ///< ends along the axis
-  std::optional<Mesh> mesh_;
+  std::optional<coupling::ClosedSurface> mesh_;
 };
 
 }  // namespace embacle::mps

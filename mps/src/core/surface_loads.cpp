@@ -1,39 +1,14 @@
 #include "core/surface_loads.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace embacle::mps {
 
 using coupling::Load;
 using coupling::Shape;
-using coupling::ShapeKind;
-using coupling::ShapePoint;
+using coupling::SurfacePiece;
 using coupling::Vec3;
-
-namespace {
-
-/// The directions of the faces that share a point, in its normal: across a box's axes, or of a cylinder around and
-/// along its axis. The normal is their sum by area, scaled to one.
-std::vector<Vec3> face_parts(const Shape& shape, const Vec3& normal) {
-  if (shape.kind == ShapeKind::sphere) return {normal};
-  if (shape.kind == ShapeKind::cylinder) return {Vec3(normal.x(), normal.y(), 0), Vec3(0, 0, normal.z())};
-  return {Vec3(normal.x(), 0, 0), Vec3(0, normal.y(), 0), Vec3(0, 0, normal.z())};
-}
-
-/// The place on the face with this outward normal that a point below it belongs to.
-Vec3 on_face(const Shape& shape, const Vec3& point, const Vec3& normal) {
-  const bool end = shape.kind == ShapeKind::box || (shape.kind == ShapeKind::cylinder && std::abs(normal.z()) > 0.5);
-  double depth = 0;
-  if (end) {
-    const Vec3 half = 0.5 * (shape.kind == ShapeKind::box ? shape.size : Vec3(0, 0, shape.size.y()));
-    depth = normal.cwiseAbs().dot(half) - normal.dot(point);
-  } else {
-    depth = shape.size.x() - normal.dot(point);
-  }
-  return point + depth * normal;
-}
-
-}  // namespace
 
 SurfaceLoads::SurfaceLoads(const Constants& constants, const Bodies& bodies, int first_owner)
     : constants_(constants),
@@ -44,15 +19,16 @@ SurfaceLoads::SurfaceLoads(const Constants& constants, const Bodies& bodies, int
   for (const Shape& shape : bodies.shapes()) {
     ShapePieces& result = shapes_.emplace_back();
     result.first.push_back(0);
-    for (const ShapePoint& point : shape.points(constants.particle_distance,
-                                                constants.layers * constants.particle_distance, constants.dimension)) {
-      const std::vector<Vec3> parts = face_parts(shape, point.normal);
-      double sum = 0;
-      for (const Vec3& part : parts) sum += part.norm();
-      for (const Vec3& part : parts) {
-        if (!point.on_surface() || part.norm() < 1e-9) continue;
-        const Vec3 area = thickness_ * point.area / sum * part;
-        result.pieces.push_back({on_face(shape, point.position, part.normalized()), area});
+    std::vector<SurfacePiece> pieces;
+    const std::size_t points = shape
+                                   .points(constants.particle_distance, constants.layers * constants.particle_distance,
+                                           constants.dimension, &pieces)
+                                   .size();
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](const SurfacePiece& a, const SurfacePiece& b) { return a.point < b.point; });
+    for (int k = 0; k < static_cast<int>(points); ++k) {
+      for (std::size_t n = result.pieces.size(); n < pieces.size() && pieces[n].point == k; ++n) {
+        result.pieces.push_back({pieces[n].place, thickness_ * pieces[n].area});
       }
       result.first.push_back(result.pieces.size());
     }

@@ -276,7 +276,7 @@ class Reader {
   void read_value(const toml::node& node, const std::string& path, const Key& key, SurfacePointer& out) {
     auto surface = std::make_shared<Surface>();
     read_table_of(
-        node, path, key, *surface, +[](const fs::path& file, int) { return StlReader::read(file); });
+        node, path, key, *surface, +[](const fs::path& file, int) { return read_surface(file); });
     if (!surface->triangles.empty()) out = std::move(surface);
   }
 

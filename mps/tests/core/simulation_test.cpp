@@ -458,6 +458,16 @@ TEST(SurfaceLoads, ObeyArchimedes) {
   expect(buoyancy(3, box, tumbled), {0, 0, weight * 0.1 * 0.064 * 0.05}, 1e-10);
   expect(buoyancy(3, drum, tumbled), {0, 0, weight * drum.mass_properties().volume}, 0.05);  // rings of chords
   expect(buoyancy(3, ball, tumbled), {0, 0, weight * ball.mass_properties().volume}, 0.05);
+  // Bodies of plane faces, whatever their corners: exactly.
+  const std::vector<Eigen::Vector2d> ell = {{0, 0}, {0.13, 0}, {0.13, 0.05}, {0.04, 0.06}, {0.03, 0.11}, {0, 0.1}};
+  coupling::Shape prism = coupling::make_prism(ell, 0.07, 500);
+  prism.name = "prism";
+  coupling::Shape solid = coupling::make_solid(prism.polyhedron->surface.triangles(), 500);
+  solid.name = "solid";
+  const double volume = prism.mass_properties().volume;
+  expect(buoyancy(2, prism, turned), {0, weight * volume / 0.07 * 0.3, 0}, 1e-10);
+  expect(buoyancy(3, prism, tumbled), {0, 0, weight * volume}, 1e-10);
+  expect(buoyancy(3, solid, tumbled), {0, 0, weight * volume}, 1e-10);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@
 
 namespace embacle::coupling {
 
-inline constexpr int protocol_version = 1;
+inline constexpr int protocol_version = 2;
 
 enum class Role : int { fluid = 0, solid = 1 };
 enum class Scheme : int { serial = 0, parallel = 1 };
