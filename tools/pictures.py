@@ -65,7 +65,10 @@ def faces_of(shape):
         grid = size[0] * np.array([[[np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)] for b in turn] for a in tilt])
         return [np.array([grid[i, j], grid[i + 1, j], grid[i + 1, j + 1], grid[i, j + 1]])
                 for i in range(len(tilt) - 1) for j in range(len(turn) - 1)]
-    raise RunFolderError(f"shapes.json: cannot draw a shape of kind {shape['kind']!r} (box, sphere, cylinder)")
+    if shape["kind"] in ("prism", "surface"):
+        return list(np.array(shape["triangles"], dtype=float).reshape(-1, 3, 3))
+    raise RunFolderError(f"shapes.json: cannot draw a shape of kind {shape['kind']!r} "
+                         "(box, sphere, cylinder, prism, surface)")
 
 
 def hull(points):

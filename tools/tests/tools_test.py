@@ -123,7 +123,9 @@ class ReadingTest(RunTest):
             np.testing.assert_array_equal(above(gravity), [0, 0, -9.81])
 
     def test_faces_point_outwards_and_close_the_shape(self):
-        for shape, volume in [({"kind": "box", "size": [1, 2, 3]}, 6), ({"kind": "cylinder", "size": [1, 2, 0]}, 2 * np.pi),
+        corners = [0, 0, 0, 0, 3, 0, 2, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 3, 0, 0, 0, 1, 0, 3, 0, 0, 0, 0, 0, 0, 1]
+        for shape, volume in [({"kind": "box", "size": [1, 2, 3]}, 6),
+                              ({"kind": "surface", "size": [2, 3, 1], "triangles": corners}, 1), ({"kind": "cylinder", "size": [1, 2, 0]}, 2 * np.pi),
                               ({"kind": "sphere", "size": [1, 0, 0]}, 4 / 3 * np.pi)]:
             total = 0
             for face in pictures.faces_of(shape):
