@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstring>
+#include <map>
 #include <unordered_map>
 
 #include "bodies.hpp"
@@ -119,7 +120,12 @@ coupling::SolidTerms FixCoupleMps::terms() const {
     terms.domain.upper[k] = domain->boxhi[k];
   }
   terms.surface_pressure_every = pressures_every_;
-  for (const FloeShape* shape : floe_shapes(lmp)) terms.shapes.push_back(shape->shape);
+  std::map<std::string, int> uses;  // shapes that differ in what their names do not say
+  for (const FloeShape* shape : floe_shapes(lmp)) {
+    terms.shapes.push_back(shape->shape);
+    const int use = ++uses[shape->shape.name];
+    if (use > 1) terms.shapes.back().name += fmt::format(" ({})", use);
+  }
   return terms;
 }
 
@@ -127,12 +133,11 @@ void FixCoupleMps::require_unit_depth() const {
   // Two-dimensional water gives loads per metre of depth: they belong to a body that is one metre deep.
   for (const FloeShape* floe : floe_shapes(lmp)) {
     const auto& shape = floe->shape;
-    const double depth = shape.kind == coupling::ShapeKind::box        ? shape.size.z()
-                         : shape.kind == coupling::ShapeKind::cylinder ? shape.size.y()
-                                                                       : 0;
+    const bool straight = shape.kind == coupling::ShapeKind::box || shape.kind == coupling::ShapeKind::prism;
+    const double depth = straight ? shape.size.z() : shape.kind == coupling::ShapeKind::cylinder ? shape.size.y() : 0;
     if (depth != 1) {
       throw InputError(
-          fmt::format("{}: in two-dimensional water bodies are boxes or cylinders that are 1 m long along "
+          fmt::format("{}: in two-dimensional water bodies are boxes, prisms or cylinders that are 1 m long along "
                       "z, but there is a {}",
                       where_, shape.name));
     }

@@ -19,6 +19,13 @@ FixFloeCreate::FixFloeCreate(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
   if (!atom->radius_flag || !atom->rmass_flag || !atom->density_flag) {
     throw InputError(where_ + ": needs 'atom_style granular'");
   }
+  if (!list_.verbose || comm->me != 0) return;
+  for (const FloeShape& shape : list_.shapes) {
+    const std::string report = covering_report(shape);
+    for (FILE* file : {screen, logfile}) {
+      if (file) fmt::print(file, "{}", report);
+    }
+  }
 }
 
 void FixFloeCreate::post_create() {

@@ -54,22 +54,6 @@ double sphere_overlap(const PlacedFloe& a, const PlacedFloe& b) {
 
 }  // namespace
 
-Vec3 half_extents(const coupling::Shape& shape, const coupling::Quaternion& orientation) {
-  const Mat3 axes = orientation.toRotationMatrix();
-  switch (shape.kind) {
-    case ShapeKind::box:
-      return axes.cwiseAbs() * (0.5 * shape.size);
-    case ShapeKind::sphere:
-      return Vec3::Constant(shape.size.x());
-    case ShapeKind::cylinder: {
-      const Vec3 axis = axes.col(2);
-      const Vec3 disc = (Vec3::Ones() - axis.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt() * shape.size.x();
-      return disc + axis.cwiseAbs() * (0.5 * shape.size.y());
-    }
-  }
-  return Vec3::Zero();
-}
-
 double overlap_depth(const PlacedFloe& a, const PlacedFloe& b) {
   const double reach = a.shape->shape.bounding_radius() + b.shape->shape.bounding_radius();
   const double clearance = (a.state.position - b.state.position).norm() - reach;
@@ -82,9 +66,9 @@ void check_overlaps(const std::string& where, const std::vector<PlacedFloe>& flo
   // Sweep along x: only bodies whose extents along x meet are compared.
   std::vector<double> left(floes.size()), right(floes.size());
   for (std::size_t i = 0; i < floes.size(); ++i) {
-    const double half = half_extents(floes[i].shape->shape, floes[i].state.orientation).x();
-    left[i] = floes[i].state.position.x() - half;
-    right[i] = floes[i].state.position.x() + half;
+    const coupling::Box extents = floes[i].shape->shape.extents(floes[i].state.orientation);
+    left[i] = floes[i].state.position.x() + extents.lower.x();
+    right[i] = floes[i].state.position.x() + extents.upper.x();
   }
   std::vector<std::size_t> order(floes.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -121,11 +105,11 @@ void check_inside(const std::string& where, const std::vector<PlacedFloe>& floes
   double farthest = 0;
   std::string message;
   for (const PlacedFloe& floe : floes) {
-    const Vec3 half = half_extents(floe.shape->shape, floe.state.orientation);
+    const coupling::Box extents = floe.shape->shape.extents(floe.state.orientation);
     const double allowed = negligible * floe.shape->shape.bounding_radius();
     for (int k = 0; k < 3; ++k) {
       if (periodic[k]) continue;
-      const double low = floe.state.position[k] - half[k], high = floe.state.position[k] + half[k];
+      const double low = floe.state.position[k] + extents.lower[k], high = floe.state.position[k] + extents.upper[k];
       const double out = std::max(box.lower[k] - low, high - box.upper[k]);
       if (out <= allowed || out <= farthest) continue;
       farthest = out;

@@ -17,9 +17,6 @@ struct PlacedFloe {
   std::string origin;
 };
 
-/// Half edge lengths [m] of the axis-aligned box around a shape in the given orientation; exact.
-coupling::Vec3 half_extents(const coupling::Shape& shape, const coupling::Quaternion& orientation);
-
 /// Depth [m] by which two bodies overlap, negative or zero if they do not. Two boxes: by the separating axes of the
 /// exact boxes (Gottschalk et al. 1996, doi:10.1145/237170.237244); otherwise by their covering spheres.
 double overlap_depth(const PlacedFloe& a, const PlacedFloe& b);

@@ -4,21 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "embacle/coupling/shape.hpp"
-#include "words.hpp"
+#include "shape_words.hpp"
 
 namespace embacle::liggghts {
-
-/// A shape with its covering spheres for contacts.
-struct FloeShape {
-  coupling::Shape shape;
-  double spacing = 0;        ///< of the covering spheres [m]
-  double sphere_radius = 0;  ///< as given [m]; 0: chosen by the shape
-  int atom_type = 1;         ///< LIGGGHTS material type of the spheres
-  std::vector<coupling::CoveringSphere> spheres;
-
-  [[nodiscard]] bool same_as(const FloeShape& other) const;
-};
 
 /// A body to create.
 struct Floe {
@@ -30,20 +18,18 @@ struct Floe {
 struct FloeList {
   std::vector<FloeShape> shapes;
   std::vector<Floe> floes;
+  bool verbose = false;  ///< the coverings are to be reported
 
   /// The index of an equal shape, or of `shape` added (with covering spheres and a name).
   int add_shape(FloeShape shape);
 };
 
-/// Reads the arguments of the fix after its style:
-///   shape box LX LY LZ | sphere R | cylinder R L     starts a shape; the next four describe it
-///   density D | mass M        kg/m^3 | kg
-///   spacing S                 of the covering spheres [m]
-///   sphere_radius R           of the covering spheres [m], optional
-///   atom_type T               optional, 1
+/// Reads the arguments of the fix after its style: the keywords of a shape (see ShapeWords), then
 ///   position X Y Z            starts a body of the present shape; the next four describe it, all optional
 ///   quaternion W X Y Z | rotate AX AY AZ DEGREES | velocity VX VY VZ | omega WX WY WZ
 ///   file NAME                 bodies from a CSV file (see floe_file.hpp)
+///   verbose yes|no            whether each covering is reported
+/// Orientations are of the frame in which a shape was given; the list holds those of the principal axes.
 /// Throws InputError.
 FloeList read_floe_list(const std::string& where, const std::vector<std::string>& arguments, int atom_types);
 

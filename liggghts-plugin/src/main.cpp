@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "embacle/liggghts/driver.hpp"
+#include "template_file.hpp"
 
 using namespace embacle;
 
@@ -26,6 +27,11 @@ when the fluid ends. Options are those of liggghts, among them
   -screen FILE|none  where the screen output goes
   -echo WHERE        none, screen, log, both
   --help, --version
+
+  liggghts-mps --template NAME shape ... density D spacing S|spheres N [id ID] [type N] [seed N] [...]
+
+writes a shape as a multisphere template of stock LIGGGHTS, for insert/pack and insert/stream: NAME.spheres and the
+command NAME.template, which a script includes. Keywords are those of fix floe/create; see docs/liggghts.
 Exit status: 0 done; 2 the input is wrong; 3 the simulation broke; 4 the machine failed; 1 an error of the program.
 )";
 
@@ -54,10 +60,26 @@ Exit status: 0 done; 2 the input is wrong; 3 the simulation broke; 4 the machine
   std::abort();
 }
 
+/// Writes a multisphere template; needs no MPI. Returns the exit status.
+int template_mode(const std::vector<std::string>& words) {
+  try {
+    const liggghts::TemplateFile file = liggghts::read_template(words);
+    liggghts::write_template(file);
+    fmt::print("{}wrote {}.spheres and {}.template\n", liggghts::covering_report(file.shape), file.name, file.name);
+    return 0;
+  } catch (const coupling::RunError& error) {
+    fmt::print(stderr, "liggghts-mps: error: {}\n", error.what());
+    return static_cast<int>(error.status());
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (!arguments.empty() && arguments.front() == "--template") {
+    return template_mode({arguments.begin() + 1, arguments.end()});
+  }
   for (const std::string& argument : arguments) {
     if (argument == "--help" || argument == "-h") {
       fmt::print("{}", usage);

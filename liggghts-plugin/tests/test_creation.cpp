@@ -22,6 +22,13 @@ const std::string three_shapes =
     "shape cylinder 0.1 0.3 mass 4.2 spacing 0.06 position 0.5 -0.5 0.5 rotate 0 1 0 30 omega 0 5 0 "
     "shape sphere 0.12 density 500 position -0.6 -0.6 -0.6 velocity 1 1 1";
 
+/// A disc, an L that straddles every subdomain, and a wedge with principal axes of its own.
+const std::string more_shapes =
+    "fix floes all floe/create shape disc 0.2 0.1 density 900 spheres 20 position -0.5 0.5 -0.5 rotate 1 0 0 30 "
+    "shape prism 0.1 6 0 0 0.6 0 0.6 0.2 0.2 0.2 0.2 0.5 0 0.5 density 917 spacing 0.1 "
+    "position 0 0 0 rotate 3 2 1 50 velocity 0.1 -0.2 0.3 omega 1 2 -3 "
+    "shape prism 0.2 3 0 0 0.6 0 0 0.4 mass 7 spheres 30 position 0.5 0.5 0.5 omega 0 0 4";
+
 double angle_between(const Quaternion& a, const Quaternion& b) { return 2 * (a.conjugate() * b).vec().norm(); }
 
 void expect_state(const SolidBody& body, const coupling::State& expected, double tolerance) {
@@ -68,6 +75,51 @@ TEST(Creation, MassAndInertiaAreTheShapes) {
   int bodies = multisphere->n_body();
   MPI_Allreduce(MPI_IN_PLACE, &bodies, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   EXPECT_EQ(bodies, 4);
+}
+
+TEST(Creation, PrismsAndDiscsAreExactToo) {
+  Solids solids;
+  solids.prepare();
+  solids.run({more_shapes, "run 0"});
+  const auto* fix = dynamic_cast<FixFloeCreate*>(solids.lammps()->modify->find_fix_id("floes"));
+  const auto bodies = solids.bodies();
+  ASSERT_EQ(bodies.size(), 3U);
+  for (std::size_t b = 0; b < 3; ++b) expect_state(bodies[b], fix->list().floes[b].state, exact);
+  auto* multisphere = find_multisphere(solids.lammps(), "test");
+  const auto shapes = floe_shapes(solids.lammps());
+  const auto owned = owned_bodies(solids.lammps(), multisphere);
+  for (int i = 0; i < multisphere->n_body(); ++i) {
+    const auto expected = shapes[owned[i].shape]->shape.mass_properties();
+    EXPECT_NEAR(multisphere->data().mass(i) / expected.mass, 1, exact);
+    const Vec3 inertia = Eigen::Map<Vec3>(multisphere->data().extract_double_vector("inertia")[i]);
+    EXPECT_LT((inertia - expected.inertia).norm(), exact * expected.inertia.norm());
+  }
+  // The tensor in space of the turned wedge is that of the textbook: the polygon's frame is the frame of the script.
+  const double a = 0.6, b = 0.4, mass = 7;
+  const auto moments = shapes[2]->shape.mass_properties().inertia;
+  const auto axes = bodies[2].state.orientation.toRotationMatrix();
+  const auto tensor = coupling::Mat3(axes * moments.asDiagonal() * axes.transpose());
+  EXPECT_NEAR(tensor(0, 0), mass * (b * b / 18 + 0.04 / 12), exact);
+  EXPECT_NEAR(tensor(1, 1), mass * (a * a / 18 + 0.04 / 12), exact);
+  EXPECT_NEAR(tensor(0, 1), mass * a * b / 36, exact);
+}
+
+TEST(Creation, APrismTumblesWithoutTorque) {
+  Solids solids;
+  solids.prepare();
+  solids.run({more_shapes});
+  const auto shapes = floe_shapes(solids.lammps());
+  const auto momentum = [&](const SolidBody& body) {
+    const auto axes = body.state.orientation.toRotationMatrix();
+    const Vec3 moments = shapes[body.shape]->shape.mass_properties().inertia;
+    return Vec3(axes * moments.cwiseProduct(axes.transpose() * body.state.angular_velocity));
+  };
+  const Vec3 before = momentum(solids.bodies()[1]);
+  solids.run({"timestep 1e-4", "run 1000"});
+  const SolidBody after = solids.bodies()[1];
+  EXPECT_LT((momentum(after) - before).norm(), 1e-6 * before.norm());
+  EXPECT_LT((after.state.position - Vec3(0.01, -0.02, 0.03)).norm(), 1e-10);
+  EXPECT_GT((after.state.angular_velocity - Vec3(1, 2, -3)).norm(), 0.01);  // it does tumble
 }
 
 TEST(Creation, FreeFallIsExact) {

@@ -1,6 +1,8 @@
 // Reading and checking descriptions of bodies, without LIGGGHTS.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <numbers>
@@ -10,6 +12,7 @@
 #include "floe_checks.hpp"
 #include "floe_file.hpp"
 #include "floe_list.hpp"
+#include "template_file.hpp"
 
 namespace embacle::liggghts {
 namespace {
@@ -74,6 +77,126 @@ TEST(FloeList, NamesTheMistake) {
   expect_parts(message_of([&] { read(box + "position 0 0 0 quaternion 1 1 0 0"); }), {"norm"});
   expect_parts(message_of([&] { read(box); }), {"no bodies"});
   expect_parts(message_of([&] { read("shape boks 1 1 1"); }), {"did you mean 'box'", "sphere", "cylinder"});
+}
+
+const std::string wedge = "shape prism 0.2 3 0 0 0.6 0 0 0.4 ";
+
+TEST(FloeList, ReadsDiscsAndPrismsAndCounts) {
+  const FloeList list =
+      read("shape disc 0.3 0.1 density 900 spacing 0.1 position 0 0 0 " + wedge +
+           "mass 10 spheres 12 position 1 0 0 rotate 0 0 1 90 position 2 0 0 quaternion 0 1 0 0 verbose yes");
+  ASSERT_EQ(list.shapes.size(), 2U);
+  EXPECT_TRUE(list.verbose);
+  EXPECT_EQ(list.shapes[0].shape.kind, coupling::ShapeKind::cylinder);
+  EXPECT_EQ(list.shapes[0].shape.size, Vec3(0.3, 0.1, 0));
+  const coupling::Shape& prism = list.shapes[1].shape;
+  EXPECT_EQ(list.shapes[1].spheres.size(), 12U);
+  EXPECT_DOUBLE_EQ(prism.mass_properties().mass, 10);
+  // Orientations are those of the frame in which the polygon was given: its first edge points along x there.
+  const Vec3 along = prism.given_axes.conjugate() * Vec3::UnitX();  // in the body frame
+  EXPECT_GT((along - Vec3::UnitX()).norm(), 0.1);                   // the principal axes are others
+  EXPECT_LT((list.floes[1].state.orientation * along - Vec3::UnitY()).norm(), 1e-14);
+  EXPECT_LT((list.floes[2].state.orientation * along - Vec3::UnitX()).norm(), 1e-14);
+  const std::string report = covering_report(list.shapes[1]);
+  expect_parts(report, {"prism of 3 corners", "volume 0.024 m3, mass 10 kg",
+                        "centre of mass as given: 0.2 0.133333 0 m", "12 covering spheres", "outside the shape 0 %"});
+}
+
+TEST(FloeList, NamesMistakesInShapes) {
+  const std::string rest = " density 900 spacing 0.1 position 0 0 0";
+  expect_parts(message_of([&] { read("shape prism 0.2 2 0 0 1 0" + rest); }),
+               {"corners of the prism", "at least 3", "'2'"});
+  expect_parts(message_of([&] { read("shape prism 0.2 4 0 0 1 1 1 0 0 1" + rest); }),
+               {"corner 1 to 2 meets", "3 to 4"});
+  expect_parts(message_of([&] { read("shape prism 0.2 3 0 0 1 0 0" + rest); }), {"y [m] of corner 3", "'density'"});
+  expect_parts(message_of([&] { read("shape prism 0 3 0 0 1 0 0 1" + rest); }), {"length [m] of the prism"});
+  expect_parts(message_of([&] { read("shape disc 1" + rest); }), {"thickness [m] of the disc"});
+  expect_parts(message_of([&] { read("shape stl /no/such.stl" + rest); }), {"fix floes", "STL file '/no/such.stl'"});
+  expect_parts(message_of([&] { read(wedge + "scale 2" + rest); }), {"'scale' belongs to 'shape stl'"});
+  expect_parts(message_of([&] { read(wedge + "density 900 spheres 0 position 0 0 0"); }), {"spheres", "'0'"});
+  expect_parts(message_of([&] { read(wedge + "density 900 position 0 0 0"); }), {"'spacing'", "'spheres'"});
+  expect_parts(message_of([&] { read(wedge + "sphere_radius 0.2" + rest); }),
+               {"largest sphere inside (0.1 m)", "0.2 m"});
+  expect_parts(message_of([&] { read("shape box 1 1 0.1 density 900 spheres 3 position 0 0 0"); }),
+               {"at least 4 spheres"});
+  expect_parts(message_of([&] { read("spheres 5"); }), {"'spheres' must come after 'shape'"});
+  expect_parts(message_of([&] { read(wedge + rest + " verbose perhaps"); }), {"'perhaps'", "yes, no"});
+}
+
+class SolidFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    // A right tetrahedron with legs of 300, 200 and 100 mm.
+    const double p[4][3] = {{0, 0, 0}, {300, 0, 0}, {0, 200, 0}, {0, 0, 100}};
+    std::ofstream file(path_);
+    file << "solid t\n";
+    for (const auto& [a, b, c] : {std::array{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}) {
+      file << "facet normal 0 0 0\nouter loop\n";
+      for (const int k : {a, b, c}) file << "vertex " << p[k][0] << ' ' << p[k][1] << ' ' << p[k][2] << '\n';
+      file << "endloop\nendfacet\n";
+    }
+    file << "endsolid t\n";
+  }
+  void TearDown() override { std::remove(path_.c_str()); }
+  std::string path_ = testing::TempDir() + "embacle-solid.stl";
+};
+
+TEST_F(SolidFile, IsScaledAndHasTheExactMass) {
+  const FloeList list = read("shape stl " + path_ + " scale 0.001 density 900 spheres 20 position 0 0 0 " +
+                             "shape stl " + path_ + " scale 0.001 mass 2 spacing 0.03 position 1 0 0");
+  ASSERT_EQ(list.shapes.size(), 2U);
+  EXPECT_NEAR(list.shapes[0].shape.mass_properties().mass, 900 * 0.001, 1e-15);
+  EXPECT_NEAR(list.shapes[1].shape.mass_properties().mass, 2, 1e-14);
+  EXPECT_LT((list.shapes[0].shape.given_centre - Vec3(0.075, 0.05, 0.025)).norm(), 1e-15);
+  EXPECT_EQ(list.shapes[0].spheres.size(), 20U);
+}
+
+TEST_F(SolidFile, MistakesNameFileAndLine) {
+  const auto edit = [&](const std::string& from, const std::string& to) {
+    std::ifstream in(path_);
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    text.replace(text.find(from), from.size(), to);
+    std::ofstream(path_) << text;
+  };
+  edit("vertex 300 0 0", "vertex 3OO 0 0");
+  expect_parts(message_of([&] { read("shape stl " + path_ + " density 900 spheres 20 position 0 0 0"); }),
+               {"fix floes floe/create: " + path_ + ":6: '3OO' is not a number"});
+  edit("vertex 3OO 0 0", "vertex 301 0 0");
+  expect_parts(message_of([&] { read("shape stl " + path_ + " density 900 spheres 20 position 0 0 0"); }),
+               {path_ + ":", "has no neighbour", "closed surfaces"});
+}
+
+TEST(Template, StatesTheExactBody) {
+  const auto words = [](const std::string& text) {
+    std::istringstream stream(text);
+    std::vector<std::string> result;
+    for (std::string word; stream >> word;) result.push_back(word);
+    return result;
+  };
+  const TemplateFile file = read_template(words("floe " + wedge + "density 900 spheres 12 id pts type 3 atom_type 2"));
+  const auto mass = file.shape.shape.mass_properties();
+  std::istringstream spheres(spheres_text(file));
+  Vec3 place;
+  double radius = 0;
+  std::size_t lines = 0;
+  while (spheres >> place.x() >> place.y() >> place.z() >> radius) {
+    EXPECT_EQ(place, file.shape.spheres.at(lines).centre);
+    EXPECT_EQ(radius, file.shape.spheres.at(lines).radius);
+    ++lines;
+  }
+  EXPECT_EQ(lines, 12U);
+  expect_parts(command_text(file),
+               {"fix pts all particletemplate/multisphere", "atom_type 2 density constant 900", "nspheres 12",
+                "spheres file floe.spheres scale 1.0 type 3", fmt::format("mass {:.17g}", mass.mass),
+                fmt::format("inertia_tensor {:.17g} 0 0 {:.17g} 0 {:.17g} use_density", mass.inertia.x(),
+                            mass.inertia.y(), mass.inertia.z())});
+  expect_parts(message_of([&] { read_template({}); }), {"name of the files"});
+  expect_parts(message_of([&] { read_template(words("floe " + wedge)); }), {"'density'", "the template"});
+  expect_parts(message_of([&] { read_template(words("floe " + wedge + "density 1 spheres 9 tipe 2")); }),
+               {"'tipe'", "did you mean 'type'"});
+  expect_parts(message_of([&] { read_template(words("floe shape sphere 1 density 1")); }), {"single sphere"});
+  expect_parts(message_of([&] { read_template(words("floe " + wedge + "density 1 spheres 9 seed 7")); }),
+               {"seed", "10001"});
 }
 
 class FloeFile : public testing::Test {
@@ -161,7 +284,7 @@ TEST(FloeChecks, BodiesMustBeInsideTheBox) {
   EXPECT_NO_THROW(check_inside("fix f", placed(turned), box, {true, false, false}));
   const FloeList cylinder = read("shape cylinder 0.3 1 density 900 spacing 0.2 position 0 0 0 rotate 0 1 0 90");
   EXPECT_TRUE(
-      half_extents(cylinder.shapes[0].shape, cylinder.floes[0].state.orientation).isApprox(Vec3(0.5, 0.3, 0.3)));
+      cylinder.shapes[0].shape.extents(cylinder.floes[0].state.orientation).upper.isApprox(Vec3(0.5, 0.3, 0.3)));
 }
 
 TEST(ContactTime, FollowsHertz) {
