@@ -19,6 +19,20 @@ void write(const std::string& path, const std::string& text) {
   if (!file) throw coupling::SystemError(fmt::format("cannot write '{}'", path));
 }
 
+bool is_prime(int number) {
+  for (int divisor = 2; divisor * divisor <= number; ++divisor) {
+    if (number % divisor == 0) return false;
+  }
+  return number > 1;
+}
+
+/// LIGGGHTS wants primes above 10 000 that differ between the templates of an insertion.
+int seed_of_type(int type) {
+  int seed = 20'000'000 + 1000 * (type % 100'000);
+  while (!is_prime(seed)) ++seed;
+  return seed;
+}
+
 /// The text as comments of a script.
 std::string commented(const std::string& text) {
   std::string result, line;
@@ -44,12 +58,14 @@ TemplateFile read_template(const std::vector<std::string>& arguments) {
       file.type = words.integer("type", 1);
     } else if (keyword == "seed") {
       file.seed = words.integer("seed, a prime number", 10001);
+      if (!is_prime(file.seed)) words.fail(fmt::format("seed must be a prime number, and {} is none", file.seed));
     } else {
       std::vector<std::string> allowed = ShapeWords::keywords();
       allowed.insert(allowed.end(), {"id", "type", "seed"});
       words.fail_unknown("keyword", keyword, allowed);
     }
   }
+  if (file.seed == 0) file.seed = seed_of_type(file.type);
   file.shape = shape.described("the template");
   try {
     file.shape.cover();

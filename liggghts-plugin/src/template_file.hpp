@@ -10,11 +10,11 @@ namespace embacle::liggghts {
 
 /// What the words of `liggghts-mps --template NAME ...` ask for.
 struct TemplateFile {
-  std::string name;     ///< of the files, without ending
-  FloeShape shape;      ///< covered
-  std::string fix_id;   ///< of the fix particletemplate/multisphere
-  int type = 1;         ///< multisphere type: 1, 2, ... over the templates of a script
-  int seed = 67867967;  ///< prime, for LIGGGHTS' random numbers
+  std::string name;    ///< of the files, without ending
+  FloeShape shape;     ///< covered
+  std::string fix_id;  ///< of the fix particletemplate/multisphere
+  int type = 1;        ///< multisphere type: 1, 2, ... over the templates of a script
+  int seed = 0;        ///< prime, for LIGGGHTS' random numbers; unless given, another for each type
 };
 
 /// Reads NAME and the keywords of a shape (see ShapeWords), then id ID, type N, seed N, all optional. Throws

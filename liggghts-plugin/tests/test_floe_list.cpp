@@ -197,6 +197,9 @@ TEST(Template, StatesTheExactBody) {
   expect_parts(message_of([&] { read_template(words("floe shape sphere 1 density 1")); }), {"single sphere"});
   expect_parts(message_of([&] { read_template(words("floe " + wedge + "density 1 spheres 9 seed 7")); }),
                {"seed", "10001"});
+  expect_parts(message_of([&] { read_template(words("floe " + wedge + "density 1 spheres 9 seed 10011")); }),
+               {"10011 is none"});
+  EXPECT_NE(file.seed, read_template(words("floe " + wedge + "density 900 spheres 12")).seed);  // another type
 }
 
 class FloeFile : public testing::Test {
