@@ -186,7 +186,10 @@ std::vector<ShapePoint> Shape::points(double spacing, double depth, int dimensio
     case ShapeKind::prism:
     case ShapeKind::surface: {
       if (dimension == 2 && kind == ShapeKind::surface) {
-        throw InputError(fmt::format("shape '{}': a solid of triangles has no points in two dimensions", name));
+        throw InputError(
+            fmt::format("shape '{}': solids of triangles are not for two-dimensional water; bodies are "
+                        "boxes, prisms or cylinders there",
+                        name));
       }
       std::vector<SurfacePiece> own;
       points = polyhedron_points(*this, spacing, depth, dimension, own);

@@ -448,9 +448,10 @@ TEST(SurfaceLoads, ObeyArchimedes) {
   const coupling::Shape box{"box", coupling::ShapeKind::box, {0.1, 0.064, 0.05}, 500};
   const coupling::Shape drum{"drum", coupling::ShapeKind::cylinder, {0.05, 0.08, 0}, 500};
   const coupling::Shape ball{"ball", coupling::ShapeKind::sphere, {0.05, 0, 0}, 500};
-  const auto expect = [](const coupling::Load& load, const coupling::Vec3& force, double tolerance) {
+  const auto expect = [](const coupling::Load& load, const coupling::Vec3& force, double tolerance,
+                         double of_torque = 0) {
     EXPECT_NEAR((load.force - force).norm(), 0, tolerance * force.norm());
-    EXPECT_NEAR(load.torque.norm(), 0, tolerance * force.norm() * 0.05);
+    EXPECT_NEAR(load.torque.norm(), 0, std::max(tolerance, of_torque) * force.norm() * 0.05);
   };
   const double weight = 1000 * 9.81;
   expect(buoyancy(2, box, upright), {0, weight * 0.1 * 0.064 * 0.3, 0}, 1e-10);
@@ -458,16 +459,17 @@ TEST(SurfaceLoads, ObeyArchimedes) {
   expect(buoyancy(3, box, tumbled), {0, 0, weight * 0.1 * 0.064 * 0.05}, 1e-10);
   expect(buoyancy(3, drum, tumbled), {0, 0, weight * drum.mass_properties().volume}, 0.05);  // rings of chords
   expect(buoyancy(3, ball, tumbled), {0, 0, weight * ball.mass_properties().volume}, 0.05);
-  // Bodies of plane faces, whatever their corners: exactly.
+  // Bodies of plane faces, whatever their corners: the force exactly, the torque but for the change of the pressure
+  // over a piece.
   const std::vector<Eigen::Vector2d> ell = {{0, 0}, {0.13, 0}, {0.13, 0.05}, {0.04, 0.06}, {0.03, 0.11}, {0, 0.1}};
   coupling::Shape prism = coupling::make_prism(ell, 0.07, 500);
   prism.name = "prism";
   coupling::Shape solid = coupling::make_solid(prism.polyhedron->surface.triangles(), 500);
   solid.name = "solid";
   const double volume = prism.mass_properties().volume;
-  expect(buoyancy(2, prism, turned), {0, weight * volume / 0.07 * 0.3, 0}, 1e-10);
-  expect(buoyancy(3, prism, tumbled), {0, 0, weight * volume}, 1e-10);
-  expect(buoyancy(3, solid, tumbled), {0, 0, weight * volume}, 1e-10);
+  expect(buoyancy(2, prism, turned), {0, weight * volume / 0.07 * 0.3, 0}, 1e-10, 1e-3);
+  expect(buoyancy(3, prism, tumbled), {0, 0, weight * volume}, 1e-10, 1e-3);
+  expect(buoyancy(3, solid, tumbled), {0, 0, weight * volume}, 1e-10, 1e-3);
 }
 
 }  // namespace
