@@ -3,7 +3,11 @@
 #include <Eigen/Jacobi>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
+#include <numeric>
+#include <set>
 
 namespace embacle::coupling {
 
@@ -19,8 +23,7 @@ Vec3 unit(const Vec3& a) {
 
 Vec3 area_of(const Triangle& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]); }
 
-constexpr double most_cells = 64;      ///< along the longest side
-constexpr std::size_t few_faces = 40;  ///< so few are compared one by one
+constexpr std::uint32_t leaf_size = 4;
 
 }  // namespace
 
@@ -54,36 +57,43 @@ ClosedSurface::ClosedSurface(std::vector<Triangle> triangles) : triangles_(std::
       faces_[f].edge_normal[k] = unit(edge_normal.at(edge_of(p[k], p[(k + 1) % 3])));
     }
   }
-  const Vec3 size = bounds_.upper - bounds_.lower;
-  const double wanted =
-      faces_.size() <= few_faces ? 1 : std::clamp(std::sqrt(static_cast<double>(faces_.size())), 4.0, most_cells);
-  cell_ = size.maxCoeff() / wanted;
-  for (int c = 0; c < 3; ++c) cells_[c] = faces_.size() <= few_faces ? 1 : static_cast<int>(size[c] / cell_) + 1;
-  const auto for_cells = [&](const Triangle& p, auto&& visit) {
-    std::array<int, 3> low{}, high{};
-    for (int c = 0; c < 3; ++c) {
-      const auto [least, most] = std::minmax({p[0][c], p[1][c], p[2][c]});
-      low[c] = cell_along(c, least);
-      high[c] = cell_along(c, most);
+  std::set<Key> sharp;
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& place = triangles_[f][k];
+      const bool turns = faces_[f].normal.dot(faces_[f].corner_normal[k]) < std::numbers::sqrt3 / 2;
+      if (turns && sharp.insert(key_of(place)).second) sharp_corners_.push_back(place);
     }
-    for (int k = low[2]; k <= high[2]; ++k) {
-      for (int j = low[1]; j <= high[1]; ++j) {
-        for (int i = low[0]; i <= high[0]; ++i) visit((k * cells_[1] + j) * cells_[0] + i);
-      }
-    }
-  };
-  first_.assign(static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2] + 1, 0);
-  for (const Triangle& p : triangles_) for_cells(p, [&](int cell) { ++first_[cell + 1]; });
-  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-  listed_.resize(first_.back());
-  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-    for_cells(triangles_[f], [&](int cell) { listed_[next[cell]++] = f; });
   }
+  order_.resize(triangles_.size());
+  std::iota(order_.begin(), order_.end(), 0U);
+  nodes_.reserve(triangles_.size());
+  build(0, static_cast<std::uint32_t>(order_.size()));
 }
 
-int ClosedSurface::cell_along(int axis, double x) const {
-  return static_cast<int>(std::clamp((x - bounds_.lower[axis]) / cell_, 0.0, cells_[axis] - 1.0));
+std::uint32_t ClosedSurface::build(std::uint32_t begin, std::uint32_t end) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  Box box{triangles_[order_[begin]][0], triangles_[order_[begin]][0]};
+  for (std::uint32_t k = begin; k < end; ++k) {
+    for (const Vec3& corner : triangles_[order_[k]]) {
+      box.lower = box.lower.cwiseMin(corner);
+      box.upper = box.upper.cwiseMax(corner);
+    }
+  }
+  nodes_.push_back({box, begin, end, 0});
+  if (end - begin <= leaf_size) return index;
+  int axis = 0;
+  (box.upper - box.lower).maxCoeff(&axis);
+  const auto middle_of = [&](std::uint32_t f) {
+    return triangles_[f][0][axis] + triangles_[f][1][axis] + triangles_[f][2][axis];
+  };
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                   [&](std::uint32_t a, std::uint32_t b) { return middle_of(a) < middle_of(b); });
+  build(begin, middle);
+  const std::uint32_t right = build(middle, end);
+  nodes_[index].right = right;
+  return index;
 }
 
 double ClosedSurface::area() const {
@@ -129,42 +139,51 @@ Vec3 ClosedSurface::nearest(std::size_t f, const Vec3& x, const Vec3*& normal) c
   return a + vb / sum * ab + vc / sum * ac;
 }
 
-double ClosedSurface::distance(const Vec3& x, Vec3* out) const {
-  std::array<int, 3> centre{};
-  for (int c = 0; c < 3; ++c) centre[c] = cell_along(c, x[c]);
-  double best = 1e300;
+struct ClosedSurface::Nearest {
+  Vec3 place;
+  double square = std::numeric_limits<double>::infinity();
   Vec3 foot = Vec3::Zero();
-  const Vec3* deciding = nullptr;
-  const auto visit = [&](int i, int j, int k) {
-    const std::size_t cell = (static_cast<std::size_t>(k) * cells_[1] + j) * cells_[0] + i;
-    for (std::uint32_t n = first_[cell]; n < first_[cell + 1]; ++n) {
-      const Vec3* normal = nullptr;
-      const Vec3 point = nearest(listed_[n], x, normal);
-      const double square = (x - point).squaredNorm();
-      if (square >= best) continue;
-      best = square;
-      foot = point;
-      deciding = normal;
-    }
-  };
-  // Shells of cells around that of the place: what lies in later shells is at least `shell` cells away.
-  const int last = std::max({cells_[0], cells_[1], cells_[2]});
-  for (int shell = 0; shell <= last; ++shell) {
-    if (best <= std::pow((shell - 1) * cell_, 2) && shell > 0) break;
-    for (int k = std::max(0, centre[2] - shell); k <= std::min(cells_[2] - 1, centre[2] + shell); ++k) {
-      for (int j = std::max(0, centre[1] - shell); j <= std::min(cells_[1] - 1, centre[1] + shell); ++j) {
-        const bool rim = std::abs(k - centre[2]) == shell || std::abs(j - centre[1]) == shell;
-        for (int i = std::max(0, centre[0] - shell); i <= std::min(cells_[0] - 1, centre[0] + shell); ++i) {
-          if (rim || std::abs(i - centre[0]) == shell) visit(i, j, k);
-        }
-      }
-    }
+  const Vec3* normal = nullptr;  ///< that decides the sign
+
+  [[nodiscard]] double square_to(const Box& box) const {
+    return (box.lower - place).cwiseMax(place - box.upper).cwiseMax(0.0).squaredNorm();
   }
-  const Vec3 arm = x - foot;
-  const double length = std::sqrt(best);
-  const bool outside = arm.dot(*deciding) >= 0;
-  if (out != nullptr) {
-    *out = length > 1e-12 * cell_ ? Vec3((outside ? 1 : -1) / length * arm) : *deciding;
+};
+
+void ClosedSurface::search(std::uint32_t index, Nearest& best) const {
+  const Node& node = nodes_[index];
+  if (node.right == 0) {
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      const Vec3* normal = nullptr;
+      const Vec3 point = nearest(order_[k], best.place, normal);
+      const double square = (best.place - point).squaredNorm();
+      if (square >= best.square) continue;
+      best.square = square;
+      best.foot = point;
+      best.normal = normal;
+    }
+    return;
+  }
+  std::uint32_t near = index + 1, far = node.right;
+  double to_near = best.square_to(nodes_[near].box), to_far = best.square_to(nodes_[far].box);
+  if (to_far < to_near) {
+    std::swap(near, far);
+    std::swap(to_near, to_far);
+  }
+  if (to_near < best.square) search(near, best);
+  if (to_far < best.square) search(far, best);
+}
+
+double ClosedSurface::distance(const Vec3& place, Vec3* normal) const {
+  Nearest best;
+  best.place = place;
+  search(0, best);
+  const Vec3 arm = place - best.foot;
+  const double length = std::sqrt(best.square);
+  const bool outside = arm.dot(*best.normal) >= 0;
+  if (normal != nullptr) {
+    const double negligible = 1e-14 * (bounds_.upper - bounds_.lower).maxCoeff();
+    *normal = length > negligible ? Vec3((outside ? 1 : -1) / length * arm) : *best.normal;
   }
   return outside ? length : -length;
 }

@@ -29,7 +29,7 @@ SurfaceGaps surface_gaps(const Shape& shape, const std::vector<CoveringSphere>& 
 CoveringError Shape::covering_error(const std::vector<CoveringSphere>& spheres) const {
   if (spheres.empty()) throw InputError("a covering needs spheres");
   constexpr double most_parts = 20000;
-  constexpr int places = 1 << 18;
+  const int places = kind == ShapeKind::surface ? 1 << 16 : 1 << 18;
   CoveringError error;
   const double volume = mass_properties().volume;
   error.size = std::cbrt(volume);
@@ -61,12 +61,13 @@ CoveringError Shape::covering_error(const std::vector<CoveringSphere>& spheres) 
       share[c] -= std::floor(share[c]);
     }
     const Vec3 place = box.lower + share.cwiseProduct(edges);
-    const double distance = signed_distance(place);
-    if (distance <= -largest) continue;
     bool covered = false;
     centres.visit(place, [&](std::size_t s) {
       covered = covered || (place - spheres[s].centre).squaredNorm() < spheres[s].radius * spheres[s].radius;
     });
+    if (covered && error.largest_protrusion <= 1e-8 * largest) continue;
+    const double distance = signed_distance(place);
+    if (distance <= -largest) continue;
     outside += covered && distance > 1e-9 * largest ? 1 : 0;
     missing += !covered && distance <= 0 ? 1 : 0;
   }

@@ -142,9 +142,10 @@ double Shape::inscribed_radius() const {
     case ShapeKind::surface:
       break;
   }
-  // The deepest place of a lattice, then a compass search, whose step halves where no direction leads deeper.
+  // The deepest place of a lattice, then a compass search, whose step halves where no direction leads deeper by a part
+  // of the step: along a ridge it would creep for ever.
   const Box& box = polyhedron->surface.bounds();
-  constexpr int cells = 24;
+  constexpr int cells = 12;
   const double edge = size.maxCoeff() / cells;
   Vec3 deepest = Vec3::Zero();
   double depth = 0;
@@ -167,7 +168,7 @@ double Shape::inscribed_radius() const {
       const int code = direction < 13 ? direction : direction + 1;  // 13 is no direction
       const Vec3 place = deepest + step * Vec3(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
       const double below = -signed_distance(place);
-      if (below <= depth) continue;
+      if (below <= depth + 0.01 * step) continue;
       depth = below;
       deepest = place;
       moved = true;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "cells.hpp"
 #include "covering_error.hpp"
 #include "embacle/coupling/shape.hpp"
 
@@ -64,13 +65,13 @@ std::vector<CoveringSphere> cover_cylinder(double cylinder_radius, double length
 /// Moves a centre to the depth `radius` below all faces near it, into the corner where they are several. False if there
 /// is no room for a sphere.
 bool settle(const ClosedSurface& surface, double radius, Vec3& centre) {
-  double before = std::numeric_limits<double>::infinity();
+  double before = radius;
   for (int pass = 0; pass < 400; ++pass) {
     Vec3 normal;
     const double excess = surface.distance(centre, &normal) + radius;
     if (std::abs(excess) <= 1e-9 * radius) return true;
-    if (pass % 16 == 15) {  // to and fro over the middle of a thin part
-      if (std::abs(excess) > 0.9 * before) return false;
+    if (pass % 16 == 15) {  // to and fro over the middle of a thin part, or a corner of less than 20 degrees
+      if (std::abs(excess) > 0.5 * before) return false;
       before = std::abs(excess);
     }
     centre -= excess * normal;
@@ -87,8 +88,17 @@ struct Places {
 Places places_for(const Shape& shape, double radius, double spacing) {
   Places places;
   const ClosedSurface& surface = shape.polyhedron->surface;
+  Cells tried(0.5 * spacing);
+  std::vector<Vec3> tried_places;
   shape.visit_surface(spacing, [&](const Vec3& place, const Vec3& area) {
     const bool corner = area.isZero(0);
+    bool near = false;  // a fine surface has more parts than are needed
+    tried.visit(place, [&](std::size_t k) {
+      near = near || (tried_places[k] - place).squaredNorm() < 0.0625 * spacing * spacing;
+    });
+    if (near && !corner) return;
+    tried.add(place);
+    tried_places.push_back(place);
     Vec3 normal = area.normalized();
     if (corner) (void)surface.distance(place, &normal);
     Vec3 centre = place - radius * normal;

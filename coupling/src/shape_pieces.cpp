@@ -127,10 +127,8 @@ void Shape::visit_surface(double spacing, const Visit& visit) const {
       return visit_cylinder(size.x(), size.y(), spacing, visit);
     case ShapeKind::prism:
     case ShapeKind::surface:
-      for (const Triangle& triangle : polyhedron->surface.triangles()) {
-        divide(triangle, spacing, visit);
-        for (const Vec3& corner : triangle) visit(corner, Vec3::Zero());
-      }
+      for (const Triangle& triangle : polyhedron->surface.triangles()) divide(triangle, spacing, visit);
+      for (const Vec3& corner : polyhedron->surface.sharp_corners()) visit(corner, Vec3::Zero());
   }
 }
 

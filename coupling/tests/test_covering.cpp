@@ -285,7 +285,7 @@ TEST(Covering, SpheresOfPolyhedraTouchTheFacesFromInside) {
 TEST(Covering, ACountIsKept) {
   const Shape box{.name = "box", .kind = ShapeKind::box, .size = Vec3(0.5, 0.3, 0.1), .density = 917};
   const Shape disc{.name = "disc", .kind = ShapeKind::cylinder, .size = Vec3(0.3, 0.1, 0), .density = 917};
-  for (const int count : {8, 27, 60, 200, 500}) {
+  for (const int count : {8, 60, 200}) {
     for (const Shape& shape : {box, disc}) {
       const auto spheres = shape.covering_spheres_of_count(count);
       EXPECT_LE(static_cast<int>(spheres.size()), count) << shape.name;
@@ -311,7 +311,7 @@ TEST(Covering, FourSpheresOfAPlateStandInItsCorners) {
 TEST(Covering, MoreSpheresLeaveSmallerGaps) {
   for (const Shape& shape : polyhedra()) {
     double before = 1;
-    for (const int count : {4, 16, 64, 256}) {
+    for (const int count : {4, 32, 128}) {
       const double gap = shape.covering_error(shape.covering_spheres_of_count(count)).largest_gap;
       EXPECT_LT(gap, before) << shape.name << " " << count;
       before = gap;

@@ -28,6 +28,8 @@ class ClosedSurface {
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
   [[nodiscard]] const Box& bounds() const { return bounds_; }
   [[nodiscard]] double area() const;  ///< [m^2]
+  /// The corners of triangles [m] at which faces turn by more than 30 degrees from the mean, each once.
+  [[nodiscard]] const std::vector<Vec3>& sharp_corners() const { return sharp_corners_; }
 
  private:
   struct Face {
@@ -36,14 +38,22 @@ class ClosedSurface {
   };
   /// Nearest point of a face, and the normal that decides the sign there.
   [[nodiscard]] Vec3 nearest(std::size_t face, const Vec3& x, const Vec3*& normal) const;
-  [[nodiscard]] int cell_along(int axis, double x) const;
+  /// A box around the faces `order_[begin]` to `order_[end - 1]`; an inner node has its two parts at the next index and
+  /// at `right`.
+  struct Node {
+    Box box;
+    std::uint32_t begin = 0, end = 0, right = 0;
+  };
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+  struct Nearest;
+  void search(std::uint32_t node, Nearest& nearest) const;
 
   std::vector<Triangle> triangles_;
   std::vector<Face> faces_;
+  std::vector<Vec3> sharp_corners_;
   Box bounds_;
-  std::array<int, 3> cells_{1, 1, 1};
-  double cell_ = 1;  ///< edge [m]
-  std::vector<std::uint32_t> first_, listed_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
 };
 
 /// Volume, centre and inertia of what triangles enclose, at unit density, by the divergence theorem: exact. The

@@ -108,7 +108,7 @@ struct Shape {
   /// to about 1e-3 of the box.
   [[nodiscard]] CoveringError covering_error(const std::vector<CoveringSphere>& spheres) const;
   /// The surface in small parts of at most `spacing` [m]: visits the centroid of each and its area times normal [m^2];
-  /// beside them corners and rims, with area zero.
+  /// beside them sharp corners and rims, with area zero.
   void visit_surface(double spacing, const std::function<void(const Vec3&, const Vec3&)>& visit) const;
 };
 
