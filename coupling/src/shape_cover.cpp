@@ -159,7 +159,7 @@ std::vector<CoveringSphere> Shape::covering_spheres(double spacing, double radiu
   if (!(spacing > 0) || radius < 0 || radius > largest * (1 + 1e-9)) {
     throw InputError(fmt::format(
         "shape '{}': covering spheres need a spacing > 0 and a radius of at most that of the largest sphere "
-        "inside ({} m), not {} m and {} m",
+        "inside ({:g} m), not {} m and {} m",
         name, largest, spacing, radius));
   }
   if (radius == 0 && kind != ShapeKind::surface) {
@@ -177,7 +177,7 @@ std::vector<CoveringSphere> Shape::covering_spheres_of_count(int count, double r
   if (count < 1 || radius < 0 || radius > largest * (1 + 1e-9)) {
     throw InputError(fmt::format(
         "shape '{}': a covering needs at least one sphere and a radius of at most that of the largest sphere "
-        "inside ({} m), not {} and {} m",
+        "inside ({:g} m), not {} and {} m",
         name, largest, count, radius));
   }
   if (kind == ShapeKind::prism || kind == ShapeKind::surface) {
