@@ -166,7 +166,8 @@ double Shape::inscribed_radius() const {
     bool moved = false;
     for (int direction = 0; direction < 26; ++direction) {
       const int code = direction < 13 ? direction : direction + 1;  // 13 is no direction
-      const Vec3 place = deepest + step * Vec3(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      const Eigen::Vector3i way(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      const Vec3 place = deepest + step * way.cast<double>();
       const double below = -signed_distance(place);
       if (below <= depth + 0.01 * step) continue;
       depth = below;

@@ -55,7 +55,8 @@ void visit_box(const Vec3& size, double spacing, const Visit& visit) {
 
 void visit_corners(const Vec3& size, const Visit& visit) {
   for (int corner = 0; corner < 8; ++corner) {
-    visit(0.5 * size.cwiseProduct(Vec3(corner % 2 * 2 - 1, corner / 2 % 2 * 2 - 1, corner / 4 * 2 - 1)), Vec3::Zero());
+    const Vec3 side((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+    visit(0.5 * size.cwiseProduct(side), Vec3::Zero());
   }
 }
 
