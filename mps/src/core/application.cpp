@@ -29,7 +29,7 @@ namespace embacle::mps {
 namespace {
 
 /// Windows between two looks at the balance: in the violent phase of a dam break work shifts by 7 % in 50 of them.
-constexpr int windows_per_epoch = 20;
+constexpr int windows_per_epoch = 10;
 /// With solids each look plans the coupling anew.
 constexpr int windows_per_coupled_epoch = 50;
 /// Measured on a 2.4 GHz EPYC core: listed directed pairs per second, both sweeps; for the estimate of --check only.
