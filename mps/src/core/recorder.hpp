@@ -64,10 +64,10 @@ class Recorder {
   Clock fields_clock_, bodies_clock_, gauges_clock_, energies_clock_;
   std::size_t next_picture_ = 0;
   WaterState start_, now_;
-  std::int64_t interactions_ = 0, listed_ = 0;  ///< of the steps at which energies were written; on this rank
-  double largest_energy_gain_ = 0;  ///< over the start [J]
-  double lowest_energy_ = 0;        ///< so far [J]
-  double largest_energy_rise_ = 0;  ///< over the lowest before [J]
+  std::int64_t interactions_ = 0, listed_ = 0;       ///< of the steps at which energies were written; on this rank
+  double largest_energy_gain_ = 0;                   ///< over the start [J]
+  double lowest_energy_ = 0;                         ///< so far [J]
+  double largest_energy_rise_ = 0;                   ///< over the lowest before [J]
   double largest_energy_ = 0;                        ///< kinetic or elastic [J]
   double compressed_share_ = 0, compressed_at_ = 0;  ///< most water with a density off by 1 %, and when [s]
   std::int64_t most_outside_ = 0, most_inside_ = 0;
