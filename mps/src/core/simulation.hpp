@@ -161,7 +161,7 @@ class Simulation {
   std::optional<CentralForce> central_force_;
   int steps_per_window_ = 1;
 
-  std::vector<Record> start_;  ///< own particles at the start of a step of step_symplectic()
+  std::vector<Record> start_;         ///< own particles at the start of a step of step_symplectic()
   std::vector<Triple> acceleration_;  ///< of the own water in the last step; empty: none since the last order
   std::vector<Triple> point_acceleration_;
   Reactions reaction_;
