@@ -43,7 +43,8 @@ TEST(Guard, WaterInAWallLeavesAtABoundedSpeed) {
 }
 
 TEST(Guard, FastWaterStopsAtAWall) {
-  Simulation simulation(lone_particle(0.0031, -5), MPI_COMM_SELF, nullptr);
+  const Scene scene = lone_particle(0.0031, -5);
+  Simulation simulation(scene, MPI_COMM_SELF, nullptr);
   for (int step = 0; step < 50; ++step) {
     run(simulation, 1);
     EXPECT_GT(lone(simulation).x[1], 0) << step;
