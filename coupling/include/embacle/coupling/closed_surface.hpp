@@ -16,8 +16,8 @@ namespace embacle::coupling {
 using Triangle = std::array<Vec3, 3>;
 
 /// The sign of the distance comes from the angle-weighted normal of the nearest face, edge or corner (Baerentzen &
-/// Aanaes 2005, doi:10.1109/TVCG.2005.49), which is right for every closed surface. Cells of triangles keep the search
-/// local.
+/// Aanaes 2005, doi:10.1109/TVCG.2005.49), which is right for every closed surface. A tree of boxes keeps the
+/// search short.
 class ClosedSurface {
  public:
   explicit ClosedSurface(std::vector<Triangle> triangles);
