@@ -6,6 +6,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "contact/floe_contacts.hpp"
+#include "contact/floe_styles.hpp"
 #include "embacle/coupling/types.hpp"
 #include "stock_access.hpp"
 
@@ -38,6 +40,9 @@ double stiffest_modulus(LAMMPS* lammps) {
   }
   return 0.5 / softest_compliance;
 }
+
+/// Whether FloeContacts looks after a wall.
+bool of_floes(FixWallGran* wall) { return wall->contact_match("model", "floe"); }
 
 }  // namespace
 
@@ -153,7 +158,7 @@ void ContactOutlook::scan_primitive_walls(Nearest& nearest) const {
   const Atom* atom = lammps_->atom;
   for (int f = 0; f < lammps_->modify->nfix; ++f) {
     auto* wall = dynamic_cast<FixWallGran*>(lammps_->modify->fix[f]);
-    if (!wall || wall->is_mesh_wall() || !wall->primitiveWall()) continue;
+    if (!wall || wall->is_mesh_wall() || !wall->primitiveWall() || of_floes(wall)) continue;
     for (int i = 0; i < atom->nlocal; ++i) {
       if (!(atom->mask[i] & wall->groupbit)) continue;
       Vec3 delta = Vec3::Zero();
@@ -170,7 +175,7 @@ void ContactOutlook::scan_meshes(Nearest& nearest, double speed) const {
   const Atom* atom = lammps_->atom;
   for (int f = 0; f < lammps_->modify->nfix; ++f) {
     auto* wall = dynamic_cast<FixWallGran*>(lammps_->modify->fix[f]);
-    for (int m = 0; wall && wall->is_mesh_wall() && m < wall->n_meshes(); ++m) {
+    for (int m = 0; wall && wall->is_mesh_wall() && !of_floes(wall) && m < wall->n_meshes(); ++m) {
       FixMeshSurface* surface = wall->mesh_list()[m];
       TriMesh* mesh = surface->triMesh();
       const FixNeighlistMesh* near = surface->meshNeighlist();
@@ -215,7 +220,14 @@ SubSteps ContactOutlook::choose(double window) {
     auto* wall = dynamic_cast<FixWallGran*>(lammps_->modify->fix[f]);
     meshes = meshes || (wall && wall->is_mesh_wall());
   }
-  scan_pairs(nearest);
+  FloeContacts* floes = floe_contacts(lammps_);
+  if (floes) {
+    const FloeContactOutlook of_floes = floes->outlook(window, acceleration);
+    nearest.may_touch = of_floes.may_touch;
+    nearest.shortest = of_floes.contact_time;
+  } else {
+    scan_pairs(nearest);
+  }
   scan_primitive_walls(nearest);
   scan_meshes(nearest, wall_speed);
 
@@ -257,6 +269,7 @@ SubSteps ContactOutlook::choose(double window) {
     MPI_Allreduce(MPI_IN_PLACE, least.data(), 2, MPI_DOUBLE, MPI_MIN, lammps_->world);
     contact_time =
         hertz_contact_time(0.5 * least[0], 0.5 * least[1], modulus_, std::max(rule_.minimum_speed, 2 * speed), 1);
+    if (floes) contact_time = std::min(contact_time, floes->shortest_contact_time());
   }
   result.count = std::max(1, static_cast<int>(std::ceil(window * rule_.resolution / contact_time)));
   return result;

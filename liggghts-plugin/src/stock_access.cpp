@@ -1,6 +1,10 @@
 #include "stock_access.hpp"
 
 #include <map>
+#include <string>
+
+#include <granular_pair_style.h>
+#include <granular_wall.h>
 
 using namespace LAMMPS_NS;
 
@@ -27,6 +31,17 @@ EMBACLE_OPEN(TurnKey, FixMultisphere, dtq, double);
 EMBACLE_OPEN(WallStepKey, FixWallGran, dt_, double);
 EMBACLE_OPEN(HoldKey, Neighbor, xhold, double**);
 EMBACLE_OPEN(LineKey, Input, line, char*);
+EMBACLE_OPEN(WallTypeKey, PrimitiveWall, wType, PRIMITIVE_WALL_DEFINITIONS::WallType);
+EMBACLE_OPEN(WallPlaceKey, PrimitiveWall, param, double*);
+EMBACLE_OPEN(ShearKey, FixWallGran, shear_, int);
+EMBACLE_OPEN(ShearDirectionKey, FixWallGran, shearDim_, int);
+EMBACLE_OPEN(ShearSpeedKey, FixWallGran, vshear_, double);
+
+using PairFactory = LIGGGHTS::Utils::AbstractFactory<LIGGGHTS::PairStyles::IGranularPairStyle>;
+using WallFactory = LIGGGHTS::Utils::AbstractFactory<LIGGGHTS::Walls::IGranularWall>;
+using SelectorMap = std::map<std::string, embacle::liggghts::VariantSelector>;
+EMBACLE_OPEN(PairSelectorKey, PairFactory, variantSelectorTable, SelectorMap);
+EMBACLE_OPEN(WallSelectorKey, WallFactory, variantSelectorTable, SelectorMap);
 
 }  // namespace
 
@@ -56,6 +71,22 @@ void set_time_step(LAMMPS* lammps, double step) {
 }
 
 double** positions_at_neighbour_build(LAMMPS* lammps) { return lammps->neighbor->*open(HoldKey{}); }
+
+PrimitivePlane primitive_plane(FixWallGran* wall) {
+  PrimitivePlane plane;
+  PrimitiveWall* primitive = wall->primitiveWall();
+  const int type = primitive->*open(WallTypeKey{});
+  if (type > PRIMITIVE_WALL_DEFINITIONS::ZPLANE) return plane;
+  plane.axis = type;
+  plane.place = (primitive->*open(WallPlaceKey{}))[0];
+  if (wall->*open(ShearKey{})) plane.velocity[wall->*open(ShearDirectionKey{})] = wall->*open(ShearSpeedKey{});
+  return plane;
+}
+
+void replace_variant_selectors(VariantSelector selector) {
+  (LIGGGHTS::PairStyles::Factory::instance().*open(PairSelectorKey{}))["gran"] = selector;
+  (LIGGGHTS::Walls::Factory::instance().*open(WallSelectorKey{}))["gran"] = selector;
+}
 
 std::string current_script_line(LAMMPS* lammps) {
   const char* line = lammps->input ? lammps->input->*open(LineKey{}) : nullptr;

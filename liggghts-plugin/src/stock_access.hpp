@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "embacle/coupling/types.hpp"
 #include "stock.hpp"
 
 namespace embacle::liggghts {
@@ -19,6 +20,19 @@ void set_time_step(LAMMPS_NS::LAMMPS* lammps, double step);
 
 /// Positions [m] of the local atoms at the last build of the neighbour lists (nlocal rows), or null before the first.
 double** positions_at_neighbour_build(LAMMPS_NS::LAMMPS* lammps);
+
+/// A primitive wall that is a plane.
+struct PrimitivePlane {
+  int axis = -1;  ///< 0, 1, 2; -1: the wall is no plane
+  double place = 0;
+  coupling::Vec3 velocity = coupling::Vec3::Zero();  ///< of fix wall/gran's keyword shear [m/s]
+};
+PrimitivePlane primitive_plane(LAMMPS_NS::FixWallGran* wall);
+
+using VariantSelector = std::int64_t (*)(int&, char**&, LAMMPS_NS::Custom_contact_models);
+
+/// Makes `selector` choose among the contact models of pair_style gran and fix wall/gran.
+void replace_variant_selectors(VariantSelector selector);
 
 /// The line of the input script that LIGGGHTS reads at present, variables not yet replaced; may be empty.
 std::string current_script_line(LAMMPS_NS::LAMMPS* lammps);

@@ -1,5 +1,6 @@
 #include "styles.hpp"
 
+#include "contact/floe_styles.hpp"
 #include "fix_couple_mps.hpp"
 #include "fix_floe_create.hpp"
 #include "stock_access.hpp"
@@ -18,6 +19,7 @@ LAMMPS_NS::Fix* make(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv) {
 void register_styles(LAMMPS_NS::LAMMPS* lammps) {
   register_fix_style(lammps, "floe/create", &make<FixFloeCreate>);
   register_fix_style(lammps, "couple/mps", &make<FixCoupleMps>);
+  register_floe_styles(lammps);
 }
 
 }  // namespace embacle::liggghts

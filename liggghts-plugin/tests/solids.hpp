@@ -27,16 +27,16 @@ class Solids {
     for (const std::string& line : lines) lammps_->input->one(line.c_str());
   }
   /// A box of 2 m about the origin with one material and free boundaries; fix multisphere in it.
-  void prepare(const std::string& young = "5e7") {
+  void prepare(const std::string& young = "5e7", const std::string& model = "hertz tangential history",
+               double restitution = 0.5, double friction = 0.4) {
     run({"units si", "atom_style granular", "atom_modify map array", "boundary f f f", "newton off",
          "communicate single vel yes", "hard_particles yes", "region box block -1 1 -1 1 -1 1 units box",
          "create_box 1 box", "neighbor 0.01 bin", "neigh_modify delay 0 every 1 check yes",
          "fix m1 all property/global youngsModulus peratomtype " + young,
          "fix m2 all property/global poissonsRatio peratomtype 0.3",
-         "fix m3 all property/global coefficientRestitution peratomtypepair 1 0.5",
-         "fix m4 all property/global coefficientFriction peratomtypepair 1 0.4",
-         "pair_style gran model hertz tangential history", "pair_coeff * *", "fix motion all multisphere",
-         "timestep 1e-5"});
+         "fix m3 all property/global coefficientRestitution peratomtypepair 1 " + std::to_string(restitution),
+         "fix m4 all property/global coefficientFriction peratomtypepair 1 " + std::to_string(friction),
+         "pair_style gran model " + model, "pair_coeff * *", "fix motion all multisphere", "timestep 1e-5"});
   }
   [[nodiscard]] std::vector<coupling::SolidBody> bodies() {
     return gather_bodies(lammps_, find_multisphere(lammps_, "test"));

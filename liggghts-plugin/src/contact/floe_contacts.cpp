@@ -1,0 +1,404 @@
+#include "contact/floe_contacts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "contact/near_pairs.hpp"
+#include "fix_floe_create.hpp"
+#include "stock_access.hpp"
+
+using namespace LAMMPS_NS;
+
+namespace embacle::liggghts {
+
+using coupling::BodyTag;
+using coupling::InputError;
+using coupling::Mat3;
+using coupling::Vec3;
+
+namespace {
+
+const std::string model = "pair_style gran model floe";
+constexpr int state_size = 13;  // position, orientation, velocity, angular velocity
+
+FixPropertyGlobal* find_property(LAMMPS* lammps, const char* name, const char* kind) {
+  const int types = lammps->atom->ntypes;
+  const bool pairwise = std::string(kind) == "peratomtypepair";
+  auto* found = static_cast<FixPropertyGlobal*>(lammps->modify->find_fix_property(
+      name, "property/global", kind, types, pairwise ? types : 0, "model floe", false));
+  if (!found) {
+    throw InputError(fmt::format("{}: needs 'fix ID all property/global {} {} ...'", model, name, kind));
+  }
+  return found;
+}
+
+/// A triangle of a mesh relative to an origin [m].
+coupling::Triangle mesh_triangle(TriMesh* mesh, int number, const Vec3& origin) {
+  coupling::Triangle triangle;
+  for (int k = 0; k < 3; ++k) {
+    mesh->node(number, k, triangle[k].data());
+    triangle[k] -= origin;
+  }
+  return triangle;
+}
+
+/// The direction +x, -x, ... -z that is nearest to a vector.
+int main_direction(const Vec3& normal) {
+  int axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return 2 * axis + (normal[axis] < 0 ? 1 : 0);
+}
+
+}  // namespace
+
+void FloeContacts::prepare() {
+  multisphere_ = find_multisphere(lammps_, model);
+  const auto shapes = floe_shapes(lammps_);
+  materials_.clear();
+  const int types = lammps_->atom->ntypes;
+  const FixPropertyGlobal* young = find_property(lammps_, "youngsModulus", "peratomtype");
+  const FixPropertyGlobal* poisson = find_property(lammps_, "poissonsRatio", "peratomtype");
+  FixPropertyGlobal* restitution = find_property(lammps_, "coefficientRestitution", "peratomtypepair");
+  FixPropertyGlobal* friction = find_property(lammps_, "coefficientFriction", "peratomtypepair");
+  young_.assign(types, 0);
+  poisson_.assign(types, 0);
+  restitution_.assign(types, std::vector<double>(types));
+  friction_ = restitution_;
+  for (int i = 0; i < types; ++i) {
+    young_[i] = const_cast<FixPropertyGlobal*>(young)->get_values()[i];
+    poisson_[i] = const_cast<FixPropertyGlobal*>(poisson)->get_values()[i];
+    for (int j = 0; j < types; ++j) {
+      restitution_[i][j] = restitution->compute_array(i, j);
+      friction_[i][j] = friction->compute_array(i, j);
+      if (restitution_[i][j] < 0 || restitution_[i][j] > 1 || friction_[i][j] < 0) {
+        throw InputError(fmt::format(
+            "{}: coefficientRestitution {} or coefficientFriction {} of the types {} and {} is out of range: "
+            "allowed are 0 to 1, and 0 or more",
+            model, restitution_[i][j], friction_[i][j], i + 1, j + 1));
+      }
+    }
+    if (!(young_[i] > 0)) throw InputError(fmt::format("{}: youngsModulus of type {} must be positive", model, i + 1));
+  }
+  for (const FloeShape* shape : shapes) {
+    Material material;
+    material.shape = convex_shape(shape->shape, model);
+    material.atom_type = shape->atom_type;
+    // Pressed between two plates, a body of this thickness yields as its modulus asks.
+    material.hardness = young_[shape->atom_type - 1] / material.shape.thickness;
+    const auto properties = shape->shape.mass_properties();
+    material.mass = properties.mass;
+    material.inertia = properties.inertia;
+    for (const auto& face : material.shape.faces) material.face = std::max(material.face, face.area);
+    materials_.push_back(std::move(material));
+  }
+  find_walls();
+  built_ = -1;
+}
+
+void FloeContacts::find_walls() {
+  walls_.clear();
+  for (int f = 0; f < lammps_->modify->nfix; ++f) {
+    auto* fix = dynamic_cast<FixWallGran*>(lammps_->modify->fix[f]);
+    if (!fix || !fix->contact_match("model", "floe")) continue;
+    Wall wall;
+    wall.fix = fix;
+    if (fix->is_mesh_wall()) {
+      for (int m = 0; m < fix->n_meshes(); ++m) {
+        wall.mesh = fix->mesh_list()[m];
+        wall.atom_type = wall.mesh->atomTypeWall();
+        walls_.push_back(wall);
+      }
+      continue;
+    }
+    const PrimitivePlane plane = primitive_plane(fix);
+    if (plane.axis < 0) {
+      throw InputError(
+          fmt::format("fix {} wall/gran: model floe has planes (xplane, yplane, zplane) and meshes; "
+                      "give a cylinder as a mesh",
+                      fix->id));
+    }
+    wall.axis = plane.axis;
+    wall.place = plane.place;
+    wall.velocity = plane.velocity;
+    wall.atom_type = fix->atom_type_wall();
+    walls_.push_back(wall);
+  }
+}
+
+ContactMaterial FloeContacts::material(int first_type, int second_type) const {
+  ContactMaterial result;
+  result.restitution = restitution_[first_type - 1][second_type - 1];
+  result.friction = friction_[first_type - 1][second_type - 1];
+  result.shear_stiffness = 0.5 / (1 + 0.5 * (poisson_[first_type - 1] + poisson_[second_type - 1]));
+  return result;
+}
+
+double FloeContacts::wall_share(int body_type, int wall_type) const {
+  // The wall yields like a body of the same thickness of its own material.
+  return young_[wall_type - 1] / (young_[body_type - 1] + young_[wall_type - 1]);
+}
+
+Vec3 FloeContacts::nearest_image(Vec3 difference) const {
+  const Domain* domain = lammps_->domain;
+  const Vec3 period(domain->xprd, domain->yprd, domain->zprd);
+  for (int k = 0; k < 3; ++k) {
+    if (domain->periodicity[k]) difference[k] -= period[k] * std::round(difference[k] / period[k]);
+  }
+  return difference;
+}
+
+void FloeContacts::find_owned() {
+  Multisphere& bodies = multisphere_->data();
+  auto* types = bodies.prop().getElementProperty<ScalarContainer<int>>("clumptype");
+  int rank = 0;
+  MPI_Comm_rank(lammps_->world, &rank);
+  bodies_.clear();
+  for (int i = 0; i < bodies.n_body(); ++i) {
+    Body body;
+    body.tag = bodies.tag(i);
+    body.shape = (*types)(i)-first_floe_type;
+    body.owner = rank;
+    body.local = i;
+    if (body.shape < 0 || body.shape >= static_cast<int>(materials_.size())) {
+      throw InputError(
+          fmt::format("{}: the shape of body {} is not known; bodies come from fix floe/create", model, body.tag));
+    }
+    bodies_.push_back(body);
+  }
+  std::sort(bodies_.begin(), bodies_.end(), [](const Body& a, const Body& b) { return a.tag < b.tag; });
+  owned_ = bodies_.size();
+}
+
+void FloeContacts::refresh() {
+  Multisphere& bodies = multisphere_->data();
+  for (std::size_t b = 0; b < owned_; ++b) {
+    Body& body = bodies_[b];
+    bodies.xcm(body.motion.position.data(), body.local);
+    bodies.vcm(body.motion.velocity.data(), body.local);
+    bodies.omega(body.motion.angular_velocity.data(), body.local);
+    std::array<double, 4> q{};
+    bodies.quat(q.data(), body.local);
+    body.orientation = coupling::Quaternion(q[0], q[1], q[2], q[3]);
+  }
+  share_states();
+  for (Body& body : bodies_) {
+    const Material& of = materials_[body.shape];
+    body.axes = body.orientation.toRotationMatrix();
+    body.motion.inverse_mass = 1 / of.mass;
+    body.motion.inverse_inertia = body.axes * of.inertia.cwiseInverse().asDiagonal() * body.axes.transpose();
+  }
+}
+
+void FloeContacts::share_states() {
+  std::vector<MPI_Request> requests;
+  for (Exchange& exchange : exchanges_) {
+    exchange.received.resize(exchange.receive.size() * state_size);
+    exchange.sent.clear();
+    for (const int b : exchange.send) {
+      const Body& body = bodies_[b];
+      for (const auto* vector : {&body.motion.position, &body.motion.velocity, &body.motion.angular_velocity}) {
+        exchange.sent.insert(exchange.sent.end(), vector->data(), vector->data() + 3);
+      }
+      exchange.sent.insert(exchange.sent.end(), body.orientation.coeffs().data(), body.orientation.coeffs().data() + 4);
+    }
+    constexpr int label = 7301;
+    requests.resize(requests.size() + 2);
+    MPI_Irecv(exchange.received.data(), static_cast<int>(exchange.received.size()), MPI_DOUBLE, exchange.rank, label,
+              lammps_->world, &requests[requests.size() - 2]);
+    MPI_Isend(exchange.sent.data(), static_cast<int>(exchange.sent.size()), MPI_DOUBLE, exchange.rank, label,
+              lammps_->world, &requests[requests.size() - 1]);
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  for (const Exchange& exchange : exchanges_) {
+    const double* at = exchange.received.data();
+    for (const int b : exchange.receive) {
+      Body& body = bodies_[b];
+      for (auto* vector : {&body.motion.position, &body.motion.velocity, &body.motion.angular_velocity}) {
+        *vector = Eigen::Map<const Vec3>(at);
+        at += 3;
+      }
+      body.orientation.coeffs() = Eigen::Map<const Eigen::Vector4d>(at);
+      at += 4;
+    }
+  }
+}
+
+PosedShape FloeContacts::posed(const Body& body, const Vec3& origin) const {
+  const Material& of = materials_[body.shape];
+  return {&of.shape, body.axes, body.motion.position - origin, of.hardness};
+}
+
+void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) {
+  if (body.local < 0) return;
+  Multisphere& bodies = multisphere_->data();
+  Eigen::Map<Vec3>(bodies.extract_double_vector("fcm")[body.local]) += force;
+  Eigen::Map<Vec3>(bodies.extract_double_vector("torque")[body.local]) += torque;
+}
+
+void FloeContacts::compute_pair(Pair& pair, bool advance) {
+  const Body& first = bodies_[pair.first];
+  const Body& second = bodies_[pair.second];
+  const double reach = materials_[first.shape].shape.reach + materials_[second.shape].shape.reach;
+  // Everything relative to the first body's centre.
+  const Vec3 apart = nearest_image(second.motion.position - first.motion.position);
+  patch_.clear();
+  if (apart.squaredNorm() < reach * reach) {
+    PosedShape a = posed(first, first.motion.position), b = posed(second, second.motion.position);
+    b.position = apart;
+    if (separation(a, b) < 0) press(a, b, patch_);
+  }
+  if (patch_.empty()) {
+    pair.memory.touching = 0;
+    return;
+  }
+  RigidMotion of_first = first.motion, of_second = second.motion;
+  of_first.position = Vec3::Zero();
+  of_second.position = apart;
+  const auto load = contact_force(patch_, of_first, of_second,
+                                  material(materials_[first.shape].atom_type, materials_[second.shape].atom_type),
+                                  lammps_->update->dt, advance, pair.memory);
+  add(first, load.force, load.torque);
+  add(second, -load.force, -(load.torque - apart.cross(load.force)));
+}
+
+void FloeContacts::compute_wall(WallPair& pair, bool advance) {
+  const Body& body = bodies_[pair.body];
+  const Wall& wall = walls_[pair.wall];
+  const int type = materials_[body.shape].atom_type;
+  PosedShape shape = posed(body, body.motion.position);
+  shape.hardness *= wall_share(type, wall.atom_type);
+  std::array<Patch, 6> patches;
+  std::array<RigidMotion, 6> motions;
+  if (wall.mesh) {
+    press_mesh(pair, shape, patches, motions);
+  } else {
+    const double height = body.motion.position[wall.axis] - wall.place;
+    const Vec3 normal = height < 0 ? Vec3(-Vec3::Unit(wall.axis)) : Vec3(Vec3::Unit(wall.axis));
+    if (std::abs(height) < materials_[body.shape].shape.reach) {
+      press_plane(shape, -std::abs(height) * normal, normal, patches[0]);
+    }
+    motions[0].velocity = wall.velocity;
+  }
+  RigidMotion motion = body.motion;
+  motion.position = Vec3::Zero();
+  for (int direction = 0; direction < 6; ++direction) {
+    ContactMemory& memory = pair.memory[direction];
+    if (patches[direction].empty()) {
+      memory.touching = 0;
+      continue;
+    }
+    const auto load = contact_force(patches[direction], motion, motions[direction], material(type, wall.atom_type),
+                                    lammps_->update->dt, advance, memory);
+    add(body, load.force, load.torque);
+  }
+}
+
+void FloeContacts::press_mesh(WallPair& pair, const PosedShape& shape, std::array<Patch, 6>& patches,
+                              std::array<RigidMotion, 6>& motions) const {
+  const Body& body = bodies_[pair.body];
+  TriMesh* mesh = walls_[pair.wall].mesh->triMesh();
+  auto* velocity = mesh->prop().getElementProperty<MultiVectorContainer<double, 3, 3>>("v");
+  std::array<double, 6> weights{};
+  for (const int t : pair.triangles) {
+    const coupling::Triangle triangle = mesh_triangle(mesh, t, body.motion.position);
+    Vec3 normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+    if (normal.dot(triangle[0]) > 0) normal = -normal;  // the free side is where the body's centre is
+    if (-normal.dot(triangle[0]) > shape.shape->reach) continue;
+    const int direction = main_direction(normal);
+    Patch& patch = patches[direction];
+    const std::size_t before = patch.places.size();
+    press_triangle(shape, triangle, normal, patch);
+    if (!velocity) continue;
+    double weight = 0;
+    for (std::size_t p = before; p < patch.places.size(); ++p) weight += patch.places[p].pressure;
+    double** nodes = (*velocity)(t);
+    const Vec3 mean = (Eigen::Map<Vec3>(nodes[0]) + Eigen::Map<Vec3>(nodes[1]) + Eigen::Map<Vec3>(nodes[2])) / 3;
+    motions[direction].velocity += weight * mean;
+    weights[direction] += weight;
+  }
+  for (int direction = 0; direction < 6; ++direction) {
+    if (weights[direction] > 0) motions[direction].velocity /= weights[direction];
+  }
+}
+
+void FloeContacts::update() {
+  if (built_ != lammps_->neighbor->ncalls) {
+    build_lists();
+    built_ = lammps_->neighbor->ncalls;
+  }
+  refresh();
+}
+
+void FloeContacts::compute(bool advance) {
+  update();
+  for (Pair& pair : pairs_) compute_pair(pair, advance);
+  for (WallPair& pair : wall_pairs_) compute_wall(pair, advance);
+}
+
+FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
+  update();
+  FloeContactOutlook result;
+  const auto fastest = [this](const Body& body) {
+    return body.motion.velocity.norm() + body.motion.angular_velocity.norm() * materials_[body.shape].shape.reach;
+  };
+  const auto consider = [&](double gap, double speed, double stiffness, double inverse_mass) {
+    if (gap > speed * window + acceleration * window * window) return;
+    result.may_touch = true;
+    result.contact_time = std::min(result.contact_time, std::numbers::pi / std::sqrt(stiffness * inverse_mass));
+  };
+  for (const Pair& pair : pairs_) {
+    const Body& first = bodies_[pair.first];
+    const Body& second = bodies_[pair.second];
+    const Material &a = materials_[first.shape], &b = materials_[second.shape];
+    PosedShape shape_a = posed(first, first.motion.position), shape_b = posed(second, first.motion.position);
+    shape_b.position = nearest_image(shape_b.position);
+    const double reach = a.shape.reach + b.shape.reach;
+    const double gap = std::max(shape_b.position.norm() - reach, separation(shape_a, shape_b));
+    // Rotation and translation are bounded apart: the relative velocity of the centres and each body's own turning.
+    const double speed =
+        std::min(fastest(first) + fastest(second), (second.motion.velocity - first.motion.velocity).norm() +
+                                                       first.motion.angular_velocity.norm() * a.shape.reach +
+                                                       second.motion.angular_velocity.norm() * b.shape.reach);
+    consider(gap, speed, a.hardness * b.hardness / (a.hardness + b.hardness) * std::min(a.face, b.face),
+             1 / a.mass + 1 / b.mass);
+  }
+  for (const WallPair& pair : wall_pairs_) {
+    const Body& body = bodies_[pair.body];
+    const Wall& wall = walls_[pair.wall];
+    const Material& of = materials_[body.shape];
+    const double stiffness = of.hardness * wall_share(of.atom_type, wall.atom_type) * of.face;
+    const PosedShape shape = posed(body, body.motion.position);
+    if (!wall.mesh) {
+      const double height = body.motion.position[wall.axis] - wall.place;
+      const Vec3 normal = height < 0 ? Vec3(-Vec3::Unit(wall.axis)) : Vec3(Vec3::Unit(wall.axis));
+      consider(separation_from_plane(shape, -std::abs(height) * normal, normal), fastest(body) + wall.velocity.norm(),
+               stiffness, 1 / of.mass);
+      continue;
+    }
+    TriMesh* mesh = wall.mesh->triMesh();
+    auto* velocity = mesh->prop().getElementProperty<MultiVectorContainer<double, 3, 3>>("v");
+    for (const int t : pair.triangles) {
+      const coupling::Triangle triangle = mesh_triangle(mesh, t, body.motion.position);
+      double speed = 0;
+      for (int k = 0; velocity && k < 3; ++k) {
+        speed = std::max(speed, Eigen::Map<Vec3>((*velocity)(t)[k]).norm());
+      }
+      consider(separation_from_triangle(shape, triangle), fastest(body) + speed, stiffness, 1 / of.mass);
+    }
+  }
+  return result;
+}
+
+double FloeContacts::shortest_contact_time() const {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Material& of : materials_) {
+    shortest = std::min(shortest, std::numbers::pi * std::sqrt(of.mass / (of.hardness * of.face)));
+  }
+  return shortest;
+}
+
+}  // namespace embacle::liggghts

@@ -1,0 +1,122 @@
+// All contacts of model floe in one simulation: who is near whom, who touches, and the forces on the bodies.
+#pragma once
+
+#include <limits>
+#include <map>
+
+#include "bodies.hpp"
+#include "contact/contact_law.hpp"
+
+namespace embacle::liggghts {
+
+/// The state of the contacts, for those who choose time steps.
+struct FloeContactOutlook {
+  bool may_touch = false;  ///< some pair of this rank can close its gap within the time asked for
+  /// Half a period [s] of the stiffest contact among them, face on face.
+  double contact_time = std::numeric_limits<double>::infinity();
+};
+
+/// Contacts of whole bodies by their shapes (see Patch and contact_force); the covering spheres play no part.
+///
+/// Each rank treats the pairs of which it owns a body, in the order of their tags. A pair whose bodies have different
+/// owners is computed by both from the same numbers. States cross ranks point to point along lists that are made when
+/// LIGGGHTS builds its neighbour lists.
+class FloeContacts {
+ public:
+  explicit FloeContacts(LAMMPS_NS::LAMMPS* lammps) : lammps_(lammps) {}
+
+  /// Finds shapes, materials and walls. Collective; throws InputError.
+  void prepare();
+  /// Adds contact forces and torques to the bodies of this rank. `advance`: a time step, not the set-up of a run.
+  /// Collective.
+  void compute(bool advance);
+  /// Of the pairs in the lists, for a time `window` [s] and no point's acceleration beyond `acceleration` [m/s^2].
+  /// Collective.
+  [[nodiscard]] FloeContactOutlook outlook(double window, double acceleration);
+  /// Half a period [s] of the stiffest contact that two bodies of any shapes, or one and a wall, can have.
+  [[nodiscard]] double shortest_contact_time() const;
+
+  /// What the contacts remember, all ranks' on rank 0, as numbers. Collective.
+  [[nodiscard]] std::vector<double> memories_on_first_rank() const;
+  /// Memories to take up when lists are built next; each rank takes those of its bodies.
+  void remember(std::vector<double> memories) { remembered_ = std::move(memories); }
+
+ private:
+  struct Body {
+    coupling::BodyTag tag = 0;
+    int shape = 0, owner = 0;
+    int local = -1;  ///< index in fix multisphere; -1: owned by another rank
+    coupling::Quaternion orientation = coupling::Quaternion::Identity();
+    coupling::Mat3 axes = coupling::Mat3::Identity();
+    RigidMotion motion;
+  };
+  /// What a shape brings into contacts.
+  struct Material {
+    ConvexShape shape;
+    int atom_type = 1;
+    double hardness = 0;                              ///< [Pa/m]
+    double mass = 0;                                  ///< [kg]
+    double face = 0;                                  ///< area of the largest face [m^2]
+    coupling::Vec3 inertia = coupling::Vec3::Zero();  ///< principal [kg m^2]
+  };
+  struct Wall {
+    LAMMPS_NS::FixWallGran* fix = nullptr;
+    LAMMPS_NS::FixMeshSurface* mesh = nullptr;  ///< null: a plane
+    int axis = 0;                               ///< of a plane
+    double place = 0;                           ///< of a plane [m]
+    coupling::Vec3 velocity = coupling::Vec3::Zero();
+    int atom_type = 1;
+  };
+  struct Pair {
+    int first, second;
+    ContactMemory memory;
+  };
+  /// Contacts of a body with a mesh are one for each of six directions of the triangles.
+  struct WallPair {
+    int body, wall;
+    std::vector<int> triangles;
+    std::array<ContactMemory, 6> memory;
+  };
+  using Key = std::array<coupling::BodyTag, 3>;  ///< tag; other tag, or -1 - wall; direction
+
+  /// Brings lists and states up to date.
+  void update();
+  void find_walls();
+  void find_owned();
+  void build_lists();
+  void share_states();
+  void refresh();
+  void find_wall_pairs(double margin);
+  void collect(std::map<Key, ContactMemory>& memories) const;
+  [[nodiscard]] PosedShape posed(const Body& body, const coupling::Vec3& origin) const;
+  [[nodiscard]] coupling::Vec3 nearest_image(coupling::Vec3 difference) const;
+  [[nodiscard]] ContactMaterial material(int first_type, int second_type) const;
+  [[nodiscard]] double wall_share(int body_type, int wall_type) const;
+  void compute_pair(Pair& pair, bool advance);
+  void compute_wall(WallPair& pair, bool advance);
+  void press_mesh(WallPair& pair, const PosedShape& shape, std::array<Patch, 6>& patches,
+                  std::array<RigidMotion, 6>& motions) const;
+  void add(const Body& body, const coupling::Vec3& force, const coupling::Vec3& torque);
+
+  LAMMPS_NS::LAMMPS* lammps_;
+  LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
+  std::vector<Material> materials_;  ///< by shape
+  std::vector<double> young_, poisson_;
+  std::vector<std::vector<double>> restitution_, friction_;  ///< by atom types
+  std::vector<Wall> walls_;
+  std::vector<Body> bodies_;  ///< owned ones first, then those of other ranks that are near
+  std::size_t owned_ = 0;
+  std::vector<Pair> pairs_;
+  std::vector<WallPair> wall_pairs_;
+  struct Exchange {
+    int rank;
+    std::vector<int> send, receive;  ///< indices into bodies_
+    std::vector<double> sent, received;
+  };
+  std::vector<Exchange> exchanges_;
+  std::vector<double> remembered_;
+  std::int64_t built_ = -1;
+  Patch patch_;
+};
+
+}  // namespace embacle::liggghts

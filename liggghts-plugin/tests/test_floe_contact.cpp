@@ -1,0 +1,247 @@
+// Model floe in LIGGGHTS: rebound, rest and friction of whole bodies, whatever spheres cover them.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "solids.hpp"
+
+namespace embacle::liggghts {
+namespace {
+
+using coupling::SolidBody;
+using coupling::Vec3;
+
+const std::string floor_wall = "fix floor all wall/gran model floe primitive type 1 zplane 0.0";
+constexpr double edge = 0.2, height = 0.1, mass = 900 * edge * edge * height;
+constexpr double degree = std::numbers::pi / 180;
+
+/// Whether this run has one rank; tests of physics need no more.
+bool alone() {
+  int ranks = 0;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  return ranks == 1;
+}
+
+std::string box(int spheres) { return fmt::format("shape box 0.2 0.2 0.1 density 900 spheres {} ", spheres); }
+
+/// The largest over the ranks of a component of the only body's force [N].
+double force_on_body(const Solids& solids, int component) {
+  auto* multisphere = find_multisphere(solids.lammps(), "test");
+  double force = -1e300;
+  if (multisphere->n_body() > 0) force = multisphere->data().extract_double_vector("fcm")[0][component];
+  MPI_Allreduce(MPI_IN_PLACE, &force, 1, MPI_DOUBLE, MPI_MAX, solids.lammps()->world);
+  return force;
+}
+
+struct Impact {
+  coupling::State after;
+  double duration = 0;       ///< [s]
+  double largest_force = 0;  ///< [N]
+};
+
+/// A tilted box without weight hits a smooth floor and leaves it. The modulus grows with the square of the speed, so
+/// that the floor is touched along the same path at any speed.
+Impact hit_floor(double restitution, double speed, int spheres, double tilt) {
+  Solids solids;
+  const double modulus = 5e8 * std::pow(speed / 0.05, 2), step = 2e-6 * 0.05 / speed;
+  solids.prepare(fmt::format("{}", modulus), "floe", restitution, 0);
+  const double low = 0.5 * edge * std::sin(tilt * degree) + 0.5 * height * std::cos(tilt * degree);
+  solids.run({fmt::format("timestep {}", step), floor_wall,
+              "fix floes all floe/create " + box(spheres) +
+                  fmt::format("position 0 0 {} rotate 0 1 0 {} velocity 0 0 {}", low + 2e-6, tilt, -speed),
+              "run 0"});
+  Impact impact;
+  bool touched = false;
+  for (int n = 0; n < 20000; ++n) {
+    solids.run({"run 1 pre no post no"});
+    const double force = force_on_body(solids, 2);
+    impact.largest_force = std::max(impact.largest_force, force);
+    if (touched && force <= 0) break;
+    touched = touched || force > 0;
+    if (touched) impact.duration += step;
+  }
+  EXPECT_TRUE(touched);
+  impact.after = solids.bodies()[0].state;
+  return impact;
+}
+
+/// Velocity and turning after an impulse (1 + e) v / (1 / m + arm^2 / I) at the lowest corner.
+void expect_rigid_impact(const Impact& impact, double restitution, double speed, double tilt, double tolerance) {
+  const double arm = tilt > 0 ? 0.5 * edge * std::cos(tilt * degree) - 0.5 * height * std::sin(tilt * degree) : 0.0;
+  const double inertia = mass * (edge * edge + height * height) / 12;
+  const double separation = impact.after.velocity.z() - impact.after.angular_velocity.y() * arm;
+  EXPECT_NEAR(separation / speed, restitution, tolerance * restitution) << "tilt " << tilt << " speed " << speed;
+  const double impulse = (1 + restitution) * speed / (1 / mass + arm * arm / inertia);
+  EXPECT_NEAR(impact.after.velocity.z(), impulse / mass - speed, tolerance * speed);
+  EXPECT_NEAR(impact.after.angular_velocity.y(), -impulse * arm / inertia, tolerance * speed / edge);
+}
+
+TEST(FloeContact, ReboundsAsAskedWithAnySpheres) {
+  if (!alone()) GTEST_SKIP();
+  for (const double speed : {0.05, 5.0}) {
+    for (const double restitution : {0.1, 0.5, 0.95}) {
+      const Impact few = hit_floor(restitution, speed, 8, 0);
+      expect_rigid_impact(few, restitution, speed, 0, 1e-4);
+      const Impact many = hit_floor(restitution, speed, 125, 0);
+      expect_rigid_impact(many, restitution, speed, 0, 1e-4);
+      EXPECT_NEAR(few.duration / many.duration, 1, 1e-9);
+      EXPECT_NEAR(few.largest_force / many.largest_force, 1, 1e-9);
+    }
+  }
+}
+
+TEST(FloeContact, TiltedBoxesReboundAsRigidOnes) {
+  if (!alone()) GTEST_SKIP();
+  for (const double tilt : {5.0, 30.0}) {
+    for (const double restitution : {0.1, 0.5, 0.95}) {
+      expect_rigid_impact(hit_floor(restitution, 0.05, 8, tilt), restitution, 0.05, tilt, 0.03);
+    }
+  }
+}
+
+TEST(FloeContact, ShiftedBoxesReboundAndKeepMomentum) {
+  if (!alone()) GTEST_SKIP();
+  for (const double restitution : {0.1, 0.5, 0.95}) {
+    Solids solids;
+    solids.prepare("5e8", "floe", restitution, 0);
+    solids.run({"timestep 2e-6",
+                "fix floes all floe/create " + box(27) +
+                    "position 0 0 0.0501 velocity 0 0 -0.5 position 0.025 0.025 -0.0501 velocity 0 0 0.5",
+                "run 0", "run 1500 pre no post no"});
+    const auto bodies = solids.bodies();
+    const Vec3 centre(0.0125, 0.0125, 0);
+    const auto at_centre = [&](const SolidBody& body) {
+      return Vec3(body.state.velocity + body.state.angular_velocity.cross(centre - body.state.position));
+    };
+    EXPECT_NEAR(at_centre(bodies[0]).z() - at_centre(bodies[1]).z(), restitution, 0.01 * restitution);
+    EXPECT_LT((bodies[0].state.velocity + bodies[1].state.velocity).norm(), 1e-13);
+    // Equal boxes that meet at the middle of their patch turn alike.
+    EXPECT_LT((bodies[0].state.angular_velocity - bodies[1].state.angular_velocity).norm(), 1e-10);
+  }
+}
+
+TEST(FloeContact, StackComesToRest) {
+  if (!alone()) GTEST_SKIP();
+  Solids solids;
+  solids.prepare("5e7", "floe");
+  std::string words = "fix floes all floe/create " + box(4);
+  for (int b = 0; b < 5; ++b) words += fmt::format(" position {} 0 {}", 0.003 * (b % 2), 0.05005 + 0.10005 * b);
+  solids.run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0",
+              "run 20000 pre no post no"});
+  const auto bodies = solids.bodies();
+  // Each contact yields by weight over stiffness: two springs of E / h each in a row, and likewise on the floor.
+  const double stiffness = 0.5 * 5e7 / height * edge * edge;
+  double expected = -0.5 * height;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto& state = bodies[b].state;
+    EXPECT_LT(state.velocity.norm() + state.angular_velocity.norm() * edge, 1e-5);
+    const double width = b == 0 ? edge : edge - 0.003;
+    expected += height - static_cast<double>(bodies.size() - b) * mass * 9.81 / (stiffness * width / edge);
+    EXPECT_NEAR(state.position.z(), expected, 1e-7);
+    EXPECT_NEAR(state.position.x(), 0.003 * static_cast<double>(b % 2), 1e-5);  // it sways as it settles
+  }
+}
+
+TEST(FloeContact, FrictionSticksAndSlides) {
+  if (!alone()) GTEST_SKIP();
+  for (const int spheres : {8, 125}) {
+    for (const double angle : {15.0, 25.0}) {  // friction 0.4: sticks up to 21.8 degrees
+      Solids solids;
+      solids.prepare("5e7", "floe");
+      solids.run(
+          {"timestep 2e-5", floor_wall,
+           fmt::format("fix g all gravity 9.81 vector {} 0 {}", std::sin(angle * degree), -std::cos(angle * degree)),
+           "fix floes all floe/create " + box(spheres) + "position -0.5 0 0.05", "run 0", "run 10000 pre no post no"});
+      const double before = solids.bodies()[0].state.velocity.x();
+      solids.run({"run 10000 pre no post no"});
+      const double after = solids.bodies()[0].state.velocity.x();
+      const double sliding = 9.81 * (std::sin(angle * degree) - 0.4 * std::cos(angle * degree));
+      if (sliding < 0) {
+        EXPECT_LT(std::abs(after), 1e-6);
+      } else {
+        EXPECT_NEAR((after - before) / 0.2, sliding, 1e-3 * sliding);
+      }
+    }
+  }
+}
+
+TEST(FloeContact, MeshesActLikePlanes) {
+  if (!alone()) GTEST_SKIP();
+  // The plane z = 0 as two triangles, with corners far outside of the body and an edge below it.
+  std::FILE* file = std::fopen("floor.stl", "w");
+  ASSERT_NE(file, nullptr);
+  std::fputs(
+      "solid floor\nfacet normal 0 0 1\nouter loop\nvertex -0.9 -0.9 0\nvertex 0.9 -0.9 0\nvertex 0.9 0.9 0\n"
+      "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex -0.9 -0.9 0\nvertex 0.9 0.9 0\n"
+      "vertex -0.9 0.9 0\nendloop\nendfacet\nendsolid floor\n",
+      file);
+  std::fclose(file);
+  // Without damping and friction: those depend, slightly, on how the triangles cut the patch.
+  std::vector<coupling::State> ends;
+  for (const bool mesh : {false, true}) {
+    Solids solids;
+    solids.prepare("5e7", "floe", 1, 0);
+    if (mesh) {
+      solids.run({"fix surface all mesh/surface file floor.stl type 1",
+                  "fix floor all wall/gran model floe mesh n_meshes 1 meshes surface"});
+    } else {
+      solids.run({floor_wall});
+    }
+    solids.run({"timestep 2e-5", "fix g all gravity 9.81 vector 0.2 0 -1",
+                "fix floes all floe/create " + box(8) + "position 0.03 -0.02 0.12 rotate 1 2 3 20", "run 0",
+                "run 15000 pre no post no"});
+    ends.push_back(solids.bodies()[0].state);
+  }
+  EXPECT_LT((ends[0].position - ends[1].position).norm(), 1e-9);
+  EXPECT_LT((ends[0].velocity - ends[1].velocity).norm(), 1e-7);
+}
+
+/// Boxes and prisms that tumble into a corner.
+std::vector<SolidBody> heap(MPI_Comm world, int steps) {
+  Solids solids(world);
+  solids.prepare("5e7", "floe");
+  std::string words = "fix floes all floe/create shape box 0.2 0.2 0.1 density 900 spheres 8";
+  for (int b = 0; b < 6; ++b) {
+    words += fmt::format(" position {} {} {} rotate 1 {} 3 {}", -0.3 + 0.12 * b, 0.02 * b - 0.05, 0.2 + 0.11 * b, b,
+                         10 * b + 5);
+  }
+  words +=
+      " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.5 0.1 0.2 velocity 1 0 0"
+      " shape disc 0.1 0.08 density 900 spheres 10 position 0.5 -0.1 0.2 velocity -1 0.1 0 omega 5 0 3";
+  solids.run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0"});
+  solids.run({fmt::format("run {} pre no post no", steps)});
+  return solids.bodies();
+}
+
+TEST(FloeContact, RanksAgree) {
+  const auto alone = heap(MPI_COMM_SELF, 10000);
+  const auto together = heap(MPI_COMM_WORLD, 10000);
+  ASSERT_EQ(alone.size(), together.size());
+  for (std::size_t b = 0; b < alone.size(); ++b) {
+    EXPECT_LT((alone[b].state.position - together[b].state.position).norm(), 1e-9) << "body " << alone[b].tag;
+    EXPECT_LT((alone[b].state.velocity - together[b].state.velocity).norm(), 1e-7) << "body " << alone[b].tag;
+  }
+}
+
+TEST(FloeContact, RefusesWhatItDoesNotKnow) {
+  if (!alone()) GTEST_SKIP();
+  const auto refused = [](const std::vector<std::string>& lines) {
+    Solids solids;
+    solids.prepare("5e7", "floe");
+    EXPECT_THROW(solids.run(lines), coupling::InputError) << lines.back();
+  };
+  refused({"pair_style gran model floe tangential history"});
+  refused({"pair_style gran model floe rolling_friction cdt"});
+  refused({"fix floor all wall/gran model floe tangential history primitive type 1 zplane 0.0"});
+  refused({"fix pipe all wall/gran model floe primitive type 1 zcylinder 0.5 0 0", "run 0"});
+  refused({"fix floes all floe/create shape sphere 0.1 density 900 spacing 0.1 position 0 0 0", "run 0"});
+  refused(
+      {"fix floes all floe/create shape prism 0.1 6 0 0 0.6 0 0.6 0.2 0.2 0.2 0.2 0.5 0 0.5 density 917 spacing "
+       "0.1 position 0 0 0",
+       "run 0"});
+}
+
+}  // namespace
+}  // namespace embacle::liggghts
