@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstring>
 
 #include "bodies.hpp"
 #include "floe_checks.hpp"
@@ -14,6 +15,7 @@ namespace embacle::liggghts {
 using coupling::InputError;
 
 FixFloeCreate::FixFloeCreate(LAMMPS* lammps, int argc, char** argv) : Fix(lammps, argc, argv) {
+  restart_global = 1;
   where_ = fmt::format("fix {} {}", id, style);
   list_ = read_floe_list(where_, std::vector<std::string>(argv + 3, argv + argc), atom->ntypes);
   if (!atom->radius_flag || !atom->rmass_flag || !atom->density_flag) {
@@ -30,6 +32,13 @@ FixFloeCreate::FixFloeCreate(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
 
 void FixFloeCreate::post_create() {
   FixMultisphere* multisphere = find_multisphere(lmp, where_);
+  const std::array<const char*, 9> property = {
+      "floeSphere", "all", "property/atom", "floeSphere", "scalar", "yes", "yes", "no", "0."};
+  sphere_index_ = static_cast<FixPropertyAtom*>(modify->find_fix_id("floeSphere"));
+  if (!sphere_index_) {
+    sphere_index_ = modify->add_fix_property_atom(9, const_cast<char**>(property.data()), style);
+  }
+  if (restored_) return;
   std::vector<PlacedFloe> placed;
   const auto shapes = floe_shapes(lmp);
   const int shape_offset = static_cast<int>(shapes.size() - list_.shapes.size());  // this fix is the last one
@@ -49,13 +58,46 @@ void FixFloeCreate::post_create() {
   check_inside(where_, placed, box, periodic);
   check_overlaps(where_, placed, first_new);
 
-  const std::array<const char*, 9> property = {
-      "floeSphere", "all", "property/atom", "floeSphere", "scalar", "yes", "yes", "no", "0."};
-  sphere_index_ = static_cast<FixPropertyAtom*>(modify->find_fix_id("floeSphere"));
-  if (!sphere_index_) {
-    sphere_index_ = modify->add_fix_property_atom(9, const_cast<char**>(property.data()), style);
-  }
   create_bodies(lmp, multisphere, list_, shape_offset, groupbit, sphere_index_);
+}
+
+namespace {
+
+/// What must be the same for bodies of a restart file to belong to these shapes.
+std::vector<double> description(const FloeList& list) {
+  std::vector<double> numbers;
+  for (const FloeShape& shape : list.shapes) {
+    const auto properties = shape.shape.mass_properties();
+    numbers.insert(numbers.end(), {static_cast<double>(shape.shape.kind), static_cast<double>(shape.atom_type),
+                                   static_cast<double>(shape.spheres.size()), shape.spheres[0].radius, properties.mass,
+                                   properties.inertia.x(), properties.inertia.y(), properties.inertia.z()});
+  }
+  return numbers;
+}
+
+}  // namespace
+
+void FixFloeCreate::write_restart(FILE* file) {
+  if (comm->me != 0) return;
+  std::vector<double> numbers = description(list_);
+  numbers.insert(numbers.begin(), static_cast<double>(numbers.size()));
+  const int bytes = static_cast<int>(numbers.size() * sizeof(double));
+  fwrite(&bytes, sizeof bytes, 1, file);
+  fwrite(numbers.data(), sizeof(double), numbers.size(), file);
+}
+
+void FixFloeCreate::restart(char* buffer) {
+  std::vector<double> numbers(1);
+  std::memcpy(numbers.data(), buffer, sizeof(double));
+  const auto count = static_cast<std::size_t>(numbers[0]);
+  numbers.resize(count);
+  std::memcpy(numbers.data(), buffer + sizeof(double), count * sizeof(double));
+  if (numbers != description(list_)) {
+    throw InputError(where_ +
+                     ": the bodies of the restart file have other shapes; give the fix the same shapes, in the "
+                     "same order, or another name to create further bodies");
+  }
+  restored_ = true;
 }
 
 void FixFloeCreate::pre_delete(bool unfix) {

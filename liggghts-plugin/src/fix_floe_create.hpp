@@ -8,7 +8,8 @@
 
 namespace embacle::liggghts {
 
-/// Creates its bodies when the script gives it; afterwards it only remembers their shapes. Manual: docs/liggghts.
+/// Creates its bodies when the script gives it, unless a restart file brought them; afterwards it only remembers their
+/// shapes. Manual: docs/liggghts.
 class FixFloeCreate : public LAMMPS_NS::Fix {
  public:
   FixFloeCreate(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv);
@@ -16,6 +17,8 @@ class FixFloeCreate : public LAMMPS_NS::Fix {
   int setmask() override { return 0; }
   void post_create() override;
   void pre_delete(bool unfix) override;
+  void write_restart(FILE* file) override;
+  void restart(char* buffer) override;
 
   [[nodiscard]] const FloeList& list() const { return list_; }
   /// Index of each covering sphere in its shape's covering, per atom.
@@ -24,6 +27,7 @@ class FixFloeCreate : public LAMMPS_NS::Fix {
  private:
   FloeList list_;
   std::string where_;
+  bool restored_ = false;  ///< the bodies come from a restart file
   LAMMPS_NS::FixPropertyAtom* sphere_index_ = nullptr;
 };
 

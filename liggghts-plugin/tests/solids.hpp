@@ -28,10 +28,15 @@ class Solids {
   }
   /// A box of 2 m about the origin with one material and free boundaries; fix multisphere in it.
   void prepare(const std::string& young = "5e7", const std::string& model = "hertz tangential history",
-               double restitution = 0.5, double friction = 0.4) {
+               double restitution = 0.5, double friction = 0.4, const std::string& restart_file = "") {
     run({"units si", "atom_style granular", "atom_modify map array", "boundary f f f", "newton off",
-         "communicate single vel yes", "hard_particles yes", "region box block -1 1 -1 1 -1 1 units box",
-         "create_box 1 box", "neighbor 0.01 bin", "neigh_modify delay 0 every 1 check yes",
+         "communicate single vel yes", "hard_particles yes"});
+    if (restart_file.empty()) {
+      run({"region box block -1 1 -1 1 -1 1 units box", "create_box 1 box"});
+    } else {
+      run({"read_restart " + restart_file});
+    }
+    run({"neighbor 0.01 bin", "neigh_modify delay 0 every 1 check yes",
          "fix m1 all property/global youngsModulus peratomtype " + young,
          "fix m2 all property/global poissonsRatio peratomtype 0.3",
          "fix m3 all property/global coefficientRestitution peratomtypepair 1 " + std::to_string(restitution),

@@ -198,31 +198,52 @@ TEST(FloeContact, MeshesActLikePlanes) {
   EXPECT_LT((ends[0].velocity - ends[1].velocity).norm(), 1e-7);
 }
 
-/// Boxes and prisms that tumble into a corner.
-std::vector<SolidBody> heap(MPI_Comm world, int steps) {
-  Solids solids(world);
-  solids.prepare("5e7", "floe");
-  std::string words = "fix floes all floe/create shape box 0.2 0.2 0.1 density 900 spheres 8";
-  for (int b = 0; b < 6; ++b) {
-    words += fmt::format(" position {} {} {} rotate 1 {} 3 {}", -0.3 + 0.12 * b, 0.02 * b - 0.05, 0.2 + 0.11 * b, b,
-                         10 * b + 5);
+/// Boxes, a prism and a disc that tumble onto the floor; with `restart_file`, continued from there.
+struct Heap : Solids {
+  explicit Heap(MPI_Comm world, const std::string& restart_file = "") : Solids(world) {
+    std::string words = "fix floes all floe/create shape box 0.2 0.2 0.1 density 900 spheres 8";
+    for (int b = 0; b < 6; ++b) {
+      words += fmt::format(" position {} {} {} rotate 1 {} 3 {}", -0.3 + 0.12 * b, 0.02 * b - 0.05, 0.2 + 0.11 * b, b,
+                           10 * b + 5);
+    }
+    words +=
+        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.5 0.1 0.2 velocity 1 0 0"
+        " shape disc 0.1 0.08 density 900 spheres 10 position 0.5 -0.1 0.2 velocity -1 0.1 0 omega 5 0 3";
+    prepare("5e7", "floe", 0.5, 0.4, restart_file);
+    run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0"});
   }
-  words +=
-      " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.5 0.1 0.2 velocity 1 0 0"
-      " shape disc 0.1 0.08 density 900 spheres 10 position 0.5 -0.1 0.2 velocity -1 0.1 0 omega 5 0 3";
-  solids.run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0"});
-  solids.run({fmt::format("run {} pre no post no", steps)});
-  return solids.bodies();
+  void steps(int count) { run({fmt::format("run {} pre no post no", count)}); }
+};
+
+void expect_same(const std::vector<SolidBody>& bodies, const std::vector<SolidBody>& expected, double tolerance) {
+  ASSERT_EQ(bodies.size(), expected.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    EXPECT_EQ(bodies[b].tag, expected[b].tag);
+    EXPECT_LE((bodies[b].state.position - expected[b].state.position).norm(), tolerance) << "body " << bodies[b].tag;
+    EXPECT_LE((bodies[b].state.velocity - expected[b].state.velocity).norm(), 100 * tolerance)
+        << "body " << bodies[b].tag;
+  }
 }
 
 TEST(FloeContact, RanksAgree) {
-  const auto alone = heap(MPI_COMM_SELF, 10000);
-  const auto together = heap(MPI_COMM_WORLD, 10000);
-  ASSERT_EQ(alone.size(), together.size());
-  for (std::size_t b = 0; b < alone.size(); ++b) {
-    EXPECT_LT((alone[b].state.position - together[b].state.position).norm(), 1e-9) << "body " << alone[b].tag;
-    EXPECT_LT((alone[b].state.velocity - together[b].state.velocity).norm(), 1e-7) << "body " << alone[b].tag;
-  }
+  Heap one(MPI_COMM_SELF), all(MPI_COMM_WORLD);
+  one.steps(10000);
+  all.steps(10000);
+  expect_same(all.bodies(), one.bodies(), 1e-9);
+}
+
+TEST(FloeContact, ContinuesFromARestartFile) {
+  Heap whole(MPI_COMM_WORLD);
+  whole.steps(9000);
+  whole.run({"write_restart floes.restart"});
+  whole.steps(1000);
+  Heap same_ranks(MPI_COMM_WORLD, "floes.restart");
+  same_ranks.steps(1000);
+  expect_same(same_ranks.bodies(), whole.bodies(), 0);
+  MPI_Barrier(MPI_COMM_WORLD);
+  Heap one_rank(MPI_COMM_SELF, "floes.restart");
+  one_rank.steps(1000);
+  expect_same(one_rank.bodies(), whole.bodies(), 1e-9);
 }
 
 TEST(FloeContact, RefusesWhatItDoesNotKnow) {

@@ -56,25 +56,53 @@ void FloeContacts::collect(std::map<Key, ContactMemory>& memories) const {
   }
 }
 
-std::vector<double> FloeContacts::memories_on_first_rank() const {
+FloeContacts::Memory FloeContacts::memory() const {
   int rank = 0;
   MPI_Comm_rank(lammps_->world, &rank);
   std::map<Key, ContactMemory> memories;
   collect(memories);
   std::vector<double> mine;
   for (const auto& [key, memory] : memories) write_record(mine, key, memory);
-  std::vector<double> all = gather_all(lammps_->world, mine);
-  if (rank != 0) all.clear();
-  return all;
+  Memory all{gather_all(lammps_->world, mine), gather_all(lammps_->world, last_forces())};
+  return rank == 0 ? all : Memory{};
+}
+
+std::vector<double> FloeContacts::last_forces() const {
+  std::vector<double> numbers;
+  for (std::size_t b = 0; b < last_.size(); ++b) {
+    numbers.push_back(static_cast<double>(bodies_[b].tag));
+    for (const Vec3* part : {&last_[b].place, &last_[b].force, &last_[b].torque}) {
+      numbers.insert(numbers.end(), part->data(), part->data() + 3);
+    }
+  }
+  return numbers;
+}
+
+void FloeContacts::take_up_forces(const std::vector<double>& records) {
+  std::map<BodyTag, LastForce> known;
+  for (std::size_t at = 0; at + 10 <= records.size(); at += 10) {
+    const auto part = [&](int k) { return Vec3(records[at + k], records[at + k + 1], records[at + k + 2]); };
+    known[static_cast<BodyTag>(records[at])] = {part(1), part(4), part(7)};
+  }
+  last_.assign(owned_, LastForce{});
+  for (std::size_t b = 0; b < owned_; ++b) {
+    const auto found = known.find(bodies_[b].tag);
+    if (found != known.end()) last_[b] = found->second;
+  }
 }
 
 void FloeContacts::build_lists() {
   std::map<Key, ContactMemory> memories;
   collect(memories);
+  // Only a set-up asks for the forces of the step before.
+  const bool setting_up = lammps_->update->setupflag != 0;
+  std::vector<double> forces = setting_up ? gather_all(lammps_->world, last_forces()) : std::vector<double>{};
+  forces.insert(forces.end(), remembered_.forces.begin(), remembered_.forces.end());
   std::map<BodyTag, int> old_owners;
   for (const Body& body : bodies_) old_owners[body.tag] = body.owner;
 
   find_owned();
+  take_up_forces(forces);
   MPI_Comm world = lammps_->world;
   int rank = 0;
   MPI_Comm_rank(world, &rank);
@@ -149,8 +177,8 @@ void FloeContacts::build_lists() {
     if (changed(key[0]) || changed(key[1])) write_record(moving, key, memory);
   }
   moving = gather_all(world, moving);
-  moving.insert(moving.end(), remembered_.begin(), remembered_.end());
-  remembered_.clear();
+  moving.insert(moving.end(), remembered_.contacts.begin(), remembered_.contacts.end());
+  remembered_ = Memory{};
   for (std::size_t at = 0; at < moving.size(); at += record_size) {
     Key key;
     for (int k = 0; k < 3; ++k) key[k] = static_cast<BodyTag>(moving[at + k]);

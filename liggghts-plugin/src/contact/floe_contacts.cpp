@@ -234,6 +234,9 @@ PosedShape FloeContacts::posed(const Body& body, const Vec3& origin) const {
 
 void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) {
   if (body.local < 0) return;
+  LastForce& last = last_[&body - bodies_.data()];
+  last.force += force;
+  last.torque += torque;
   Multisphere& bodies = multisphere_->data();
   Eigen::Map<Vec3>(bodies.extract_double_vector("fcm")[body.local]) += force;
   Eigen::Map<Vec3>(bodies.extract_double_vector("torque")[body.local]) += torque;
@@ -333,10 +336,31 @@ void FloeContacts::update() {
   refresh();
 }
 
-void FloeContacts::compute(bool advance) {
-  update();
+void FloeContacts::compute_all(bool advance) {
   for (Pair& pair : pairs_) compute_pair(pair, advance);
   for (WallPair& pair : wall_pairs_) compute_wall(pair, advance);
+}
+
+void FloeContacts::compute() {
+  update();
+  for (std::size_t b = 0; b < owned_; ++b) {
+    last_[b] = {bodies_[b].motion.position, Vec3::Zero(), Vec3::Zero()};
+  }
+  compute_all(true);
+}
+
+void FloeContacts::set_up() {
+  update();
+  const std::vector<LastForce> before = last_;
+  for (std::size_t b = 0; b < owned_; ++b) {
+    last_[b] = {bodies_[b].motion.position, Vec3::Zero(), Vec3::Zero()};
+  }
+  compute_all(false);
+  for (std::size_t b = 0; b < owned_; ++b) {
+    if (before[b].place != bodies_[b].motion.position) continue;
+    add(bodies_[b], before[b].force - last_[b].force, before[b].torque - last_[b].torque);
+    last_[b] = before[b];
+  }
 }
 
 FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {

@@ -27,19 +27,26 @@ class FloeContacts {
 
   /// Finds shapes, materials and walls. Collective; throws InputError.
   void prepare();
-  /// Adds contact forces and torques to the bodies of this rank. `advance`: a time step, not the set-up of a run.
-  /// Collective.
-  void compute(bool advance);
+  /// Adds the contact forces and torques of a time step to the bodies of this rank. Collective.
+  void compute();
+  /// Likewise when a run is set up. A body that has not moved since the last step has that step's force, so that a run
+  /// in parts, or one that is continued from a restart file, gives the same as one in a whole: velocities are half a
+  /// step older within a step than between steps. Collective.
+  void set_up();
   /// Of the pairs in the lists, for a time `window` [s] and no point's acceleration beyond `acceleration` [m/s^2].
   /// Collective.
   [[nodiscard]] FloeContactOutlook outlook(double window, double acceleration);
   /// Half a period [s] of the stiffest contact that two bodies of any shapes, or one and a wall, can have.
   [[nodiscard]] double shortest_contact_time() const;
 
-  /// What the contacts remember, all ranks' on rank 0, as numbers. Collective.
-  [[nodiscard]] std::vector<double> memories_on_first_rank() const;
-  /// Memories to take up when lists are built next; each rank takes those of its bodies.
-  void remember(std::vector<double> memories) { remembered_ = std::move(memories); }
+  /// What there is to remember between runs: on rank 0 of all ranks, elsewhere nothing. Collective.
+  struct Memory {
+    std::vector<double> contacts;  ///< ContactMemory of each pair that touches, with its key
+    std::vector<double> forces;    ///< of the last step, with the places of the bodies
+  };
+  [[nodiscard]] Memory memory() const;
+  /// To take up when lists are built next; each rank takes what concerns its bodies.
+  void remember(Memory memory) { remembered_ = std::move(memory); }
 
  private:
   struct Body {
@@ -92,8 +99,11 @@ class FloeContacts {
   [[nodiscard]] coupling::Vec3 nearest_image(coupling::Vec3 difference) const;
   [[nodiscard]] ContactMaterial material(int first_type, int second_type) const;
   [[nodiscard]] double wall_share(int body_type, int wall_type) const;
+  void compute_all(bool advance);
   void compute_pair(Pair& pair, bool advance);
   void compute_wall(WallPair& pair, bool advance);
+  [[nodiscard]] std::vector<double> last_forces() const;
+  void take_up_forces(const std::vector<double>& records);
   void press_mesh(WallPair& pair, const PosedShape& shape, std::array<Patch, 6>& patches,
                   std::array<RigidMotion, 6>& motions) const;
   void add(const Body& body, const coupling::Vec3& force, const coupling::Vec3& torque);
@@ -114,7 +124,13 @@ class FloeContacts {
     std::vector<double> sent, received;
   };
   std::vector<Exchange> exchanges_;
-  std::vector<double> remembered_;
+  /// Of the last step, by owned body.
+  struct LastForce {
+    coupling::Vec3 place = coupling::Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    coupling::Vec3 force = coupling::Vec3::Zero(), torque = coupling::Vec3::Zero();
+  };
+  std::vector<LastForce> last_;
+  Memory remembered_;
   std::int64_t built_ = -1;
   Patch patch_;
 };

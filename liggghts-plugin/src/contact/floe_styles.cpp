@@ -1,6 +1,8 @@
 #include "contact/floe_styles.hpp"
 
 #include <fmt/format.h>
+
+#include <cstring>
 // The order of these headers follows LIGGGHTS' own needs.
 #include <lammps.h>
 
@@ -39,17 +41,29 @@ class FixFloeContacts : public Fix {
   }
   int setmask() override { return 0; }
   void write_restart(FILE* file) override {
-    const std::vector<double> numbers = contacts_.memories_on_first_rank();
+    const FloeContacts::Memory kept = contacts_.memory();
     if (comm->me != 0) return;
-    const double count = static_cast<double>(numbers.size());
-    const int bytes = static_cast<int>((1 + numbers.size()) * sizeof(double));
+    const std::array<double, 2> counts = {static_cast<double>(kept.contacts.size()),
+                                          static_cast<double>(kept.forces.size())};
+    const int bytes = static_cast<int>((2 + kept.contacts.size() + kept.forces.size()) * sizeof(double));
     fwrite(&bytes, sizeof bytes, 1, file);
-    fwrite(&count, sizeof count, 1, file);
-    fwrite(numbers.data(), sizeof(double), numbers.size(), file);
+    fwrite(counts.data(), sizeof(double), 2, file);
+    for (const auto* part : {&kept.contacts, &kept.forces}) {
+      fwrite(part->data(), sizeof(double), part->size(), file);
+    }
   }
   void restart(char* buffer) override {
-    const auto* numbers = reinterpret_cast<const double*>(buffer);
-    contacts_.remember(std::vector<double>(numbers + 1, numbers + 1 + static_cast<std::size_t>(numbers[0])));
+    std::array<double, 2> counts{};
+    std::memcpy(counts.data(), buffer, sizeof counts);
+    FloeContacts::Memory kept;
+    kept.contacts.resize(static_cast<std::size_t>(counts[0]));
+    kept.forces.resize(static_cast<std::size_t>(counts[1]));
+    buffer += sizeof counts;
+    for (auto* part : {&kept.contacts, &kept.forces}) {
+      std::memcpy(part->data(), buffer, part->size() * sizeof(double));
+      buffer += part->size() * sizeof(double);
+    }
+    contacts_.remember(std::move(kept));
   }
   FloeContacts& contacts() { return contacts_; }
 
@@ -93,7 +107,13 @@ class FloePairs : public LIGGGHTS::PairStyles::IGranularPairStyle, private Point
   void compute_force(PairGran* pair, int energy, int virial, int /*add*/) override {
     pair->evflag = pair->vflag_fdotr = 0;
     if (energy || virial) pair->ev_setup(energy, virial);
-    if (pair->computeflag()) find_contacts(lmp)->contacts().compute(!update->setupflag);
+    if (!pair->computeflag()) return;
+    FloeContacts& contacts = find_contacts(lmp)->contacts();
+    if (update->setupflag) {
+      contacts.set_up();
+    } else {
+      contacts.compute();
+    }
   }
   int get_history_offset(const std::string /*name*/) override { return -1; }
   double stressStrainExponent() override { return 1; }
