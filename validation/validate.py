@@ -93,6 +93,30 @@ class Context:
         summary = json.loads((out / "summary.json").read_text()) if status == 0 else {}
         return Run(out, seconds, summary, status, "\n".join(tail))
 
+    def solids(self, name, script, variables):
+        """Runs a LIGGGHTS script of the case alone on one rank, with variables and `out`, a file that it writes; returns
+        the Run and that file's columns as arrays. Raises CaseError."""
+        import numpy as np
+
+        out = self.results / self.case
+        out.mkdir(parents=True, exist_ok=True)
+        table = out / f"{name}.csv"
+        program = pathlib.Path(os.environ.get("EMBACLE_BUILD", ROOT / "build")) / "bin" / "liggghts-mps"
+        command = [str(program), "-in", str(self.folder / script), "-screen", "none", "-log", "none"]
+        for key, value in {**variables, "out": table}.items():
+            command += ["-var", key, str(value)]
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+        start = time.monotonic()
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, stdin=subprocess.DEVNULL)
+        seconds = time.monotonic() - start
+        if done.returncode != 0:
+            raise CaseError(f"{name}: liggghts-mps ended with status {done.returncode}:\n    {done.stderr.strip()}")
+        with table.open() as stream:
+            names = [column.split("[")[0].strip() for column in stream.readline().split(",")]
+            numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
+        run = Run(table, seconds, {"wall_seconds": seconds})
+        return run, dict(zip(names, numbers.T))
+
     def curve(self, panel, label, x, y, reference=False, points=False):
         """A curve of the report's picture. Panel: "title; x axis; y axis" says where it goes."""
         x, y = ([float(f"{float(value):.6g}") for value in values] for values in (x, y))

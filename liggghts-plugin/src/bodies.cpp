@@ -166,8 +166,21 @@ std::vector<SolidBody> owned_bodies(LAMMPS* lammps, FixMultisphere* multisphere)
   return result;
 }
 
+std::vector<double> gather_on_all(MPI_Comm world, const std::vector<double>& mine) {
+  int ranks = 0;
+  MPI_Comm_size(world, &ranks);
+  if (ranks == 1) return mine;
+  std::vector<int> counts(ranks), starts(ranks, 0);
+  int count = static_cast<int>(mine.size());
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+  for (int r = 1; r < ranks; ++r) starts[r] = starts[r - 1] + counts[r - 1];
+  std::vector<double> all(starts.back() + counts.back());
+  if (all.empty()) return all;
+  MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, world);
+  return all;
+}
+
 std::vector<SolidBody> gather_bodies(LAMMPS* lammps, FixMultisphere* multisphere) {
-  MPI_Comm world = lammps->world;
   constexpr int width = 15;  // tag, shape, state without contact
   std::vector<double> mine;
   for (const SolidBody& body : owned_bodies(lammps, multisphere)) {
@@ -178,14 +191,7 @@ std::vector<SolidBody> gather_bodies(LAMMPS* lammps, FixMultisphere* multisphere
     mine.insert(mine.end(), s.velocity.data(), s.velocity.data() + 3);
     mine.insert(mine.end(), s.angular_velocity.data(), s.angular_velocity.data() + 3);
   }
-  int ranks = 0;
-  MPI_Comm_size(world, &ranks);
-  std::vector<int> counts(ranks), starts(ranks, 0);
-  int count = static_cast<int>(mine.size());
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int r = 1; r < ranks; ++r) starts[r] = starts[r - 1] + counts[r - 1];
-  std::vector<double> all(starts.back() + counts.back());
-  MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, world);
+  const std::vector<double> all = gather_on_all(lammps->world, mine);
   std::vector<SolidBody> result(all.size() / width);
   for (std::size_t b = 0; b < result.size(); ++b) {
     const double* at = all.data() + b * width;

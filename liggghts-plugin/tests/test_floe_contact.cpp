@@ -5,6 +5,8 @@
 
 #include <numbers>
 
+#include "contact/floe_contacts.hpp"
+#include "contact/floe_styles.hpp"
 #include "solids.hpp"
 
 namespace embacle::liggghts {
@@ -235,6 +237,9 @@ TEST(FloeContact, RanksAgree) {
 TEST(FloeContact, ContinuesFromARestartFile) {
   Heap whole(MPI_COMM_WORLD);
   whole.steps(9000);
+  auto contacts = floe_contacts(whole.lammps())->memory().contacts.size();
+  MPI_Bcast(&contacts, 1, MPI_UNSIGNED_LONG, 0, MPI_COMM_WORLD);
+  EXPECT_GT(contacts, 0U);
   whole.run({"write_restart floes.restart"});
   whole.steps(1000);
   Heap same_ranks(MPI_COMM_WORLD, "floes.restart");

@@ -19,22 +19,6 @@ namespace {
 
 constexpr int record_size = 3 + contact_memory_size;
 
-/// The numbers of all ranks one after another, on every rank. Collective.
-std::vector<double> gather_all(MPI_Comm world, const std::vector<double>& mine) {
-  int ranks = 0;
-  MPI_Comm_size(world, &ranks);
-  if (ranks == 1) return mine;
-  std::vector<int> counts(ranks), starts(ranks, 0);
-  int count = static_cast<int>(mine.size());
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int r = 1; r < ranks; ++r) starts[r] = starts[r - 1] + counts[r - 1];
-  std::vector<double> all(starts.back() + counts.back());
-  if (!all.empty()) {
-    MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, world);
-  }
-  return all;
-}
-
 template <typename Key>
 void write_record(std::vector<double>& numbers, const Key& key, const ContactMemory& memory) {
   for (const BodyTag part : key) numbers.push_back(static_cast<double>(part));
@@ -63,7 +47,7 @@ FloeContacts::Memory FloeContacts::memory() const {
   collect(memories);
   std::vector<double> mine;
   for (const auto& [key, memory] : memories) write_record(mine, key, memory);
-  Memory all{gather_all(lammps_->world, mine), gather_all(lammps_->world, last_forces())};
+  Memory all{gather_on_all(lammps_->world, mine), gather_on_all(lammps_->world, last_forces())};
   return rank == 0 ? all : Memory{};
 }
 
@@ -96,7 +80,7 @@ void FloeContacts::build_lists() {
   collect(memories);
   // Only a set-up asks for the forces of the step before.
   const bool setting_up = lammps_->update->setupflag != 0;
-  std::vector<double> forces = setting_up ? gather_all(lammps_->world, last_forces()) : std::vector<double>{};
+  std::vector<double> forces = setting_up ? gather_on_all(lammps_->world, last_forces()) : std::vector<double>{};
   forces.insert(forces.end(), remembered_.forces.begin(), remembered_.forces.end());
   std::map<BodyTag, int> old_owners;
   for (const Body& body : bodies_) old_owners[body.tag] = body.owner;
@@ -113,7 +97,7 @@ void FloeContacts::build_lists() {
     mine.insert(mine.end(), {static_cast<double>(body.tag), static_cast<double>(body.shape), static_cast<double>(rank),
                              x.x(), x.y(), x.z()});
   }
-  const std::vector<double> all = gather_all(world, mine);
+  const std::vector<double> all = gather_on_all(world, mine);
   std::map<BodyTag, int> owners;
   std::vector<Body> others;
   for (std::size_t at = 0; at < all.size(); at += 6) {
@@ -176,7 +160,7 @@ void FloeContacts::build_lists() {
     };
     if (changed(key[0]) || changed(key[1])) write_record(moving, key, memory);
   }
-  moving = gather_all(world, moving);
+  moving = gather_on_all(world, moving);
   moving.insert(moving.end(), remembered_.contacts.begin(), remembered_.contacts.end());
   remembered_ = Memory{};
   for (std::size_t at = 0; at < moving.size(); at += record_size) {

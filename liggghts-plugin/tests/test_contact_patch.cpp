@@ -1,0 +1,160 @@
+// Patches press as the gradient of a potential, and as elementary cases ask; the damping number is the right one.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "contact/contact_law.hpp"
+#include "contact/near_pairs.hpp"
+
+namespace embacle::liggghts {
+namespace {
+
+using coupling::Mat3;
+using coupling::Vec3;
+
+ConvexShape box(double x, double y, double z) {
+  coupling::Shape shape;
+  shape.kind = coupling::ShapeKind::box;
+  shape.size = Vec3(x, y, z);
+  return convex_shape(shape, "test");
+}
+
+coupling::Load load_of(const Patch& patch) {
+  coupling::Load load;
+  for (const auto& place : patch.places) {
+    load.force += place.pressure * place.area;
+    load.torque += place.position.cross(place.pressure * place.area);
+  }
+  return load;
+}
+
+TEST(ContactPatch, FacesOfABoxDivideItsVolume) {
+  const ConvexShape shape = box(0.4, 0.3, 0.1);
+  ASSERT_EQ(shape.faces.size(), 6U);
+  EXPECT_EQ(shape.corners.size(), 8U);
+  EXPECT_NEAR(shape.thickness, 0.1, 1e-15);
+  EXPECT_NEAR(shape.reach, Vec3(0.2, 0.15, 0.05).norm(), 1e-15);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(-0.5, 0.5);
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3 x(0.4 * share(random), 0.3 * share(random), 0.1 * share(random));
+    int inside = 0;
+    for (const auto& face : shape.faces) {
+      bool holds = true;
+      for (const auto& bound : face.region) holds = holds && bound.normal.dot(x) <= bound.offset;
+      if (holds) {
+        ++inside;
+        EXPECT_LE((x - face.centre).norm(), face.reach * (1 + 1e-12));
+      }
+    }
+    EXPECT_EQ(inside, 1);
+  }
+}
+
+TEST(ContactPatch, FaceOnFaceIsTwoSpringsInARow) {
+  const ConvexShape lower = box(0.4, 0.3, 0.1), upper = box(0.1, 0.1, 0.1);
+  const PosedShape a{&upper, Mat3::Identity(), Vec3(0, 0, 0.0995), 3e8}, b{&lower, Mat3::Identity(), Vec3::Zero(), 1e8};
+  Patch patch;
+  press(a, b, patch);
+  const auto load = load_of(patch);
+  const double spring = 3e8 * 1e8 / 4e8 * 0.01;
+  EXPECT_NEAR(load.force.z(), spring * 0.0005, 1e-2 * spring * 0.0005);  // its rim yields sideways
+  EXPECT_NEAR(load.force.head<2>().norm(), 0, 1e-9 * load.force.z());
+  EXPECT_NEAR(patch.stiffness, spring, 0.05 * spring);
+  Patch on_plane;
+  press_plane(a, Vec3(0, 0, 0.05), Vec3::UnitZ(), on_plane);
+  EXPECT_NEAR(load_of(on_plane).force.z(), 3e8 * 0.0005 * 0.01, 0.03 * 3e8 * 0.0005 * 0.01);
+}
+
+/// Work [J] along a closed path of one body around another, relative to the sum of its sizes.
+double relative_circulation(const ConvexShape& moving, const ConvexShape& fixed, int steps) {
+  double work = 0, traffic = 0;
+  coupling::Load before;
+  Vec3 position_before = Vec3::Zero(), turn_before = Vec3::Zero();
+  for (int n = 0; n <= steps; ++n) {
+    const double t = 2 * std::numbers::pi * n / steps;
+    // Through face, edge and corner contacts: sideways, in and out, and turning about a fixed axis.
+    const Vec3 position(0.12 + 0.05 * std::sin(t), 0.09 + 0.03 * std::cos(2 * t), 0.145 + 0.02 * std::cos(t));
+    const Vec3 axis = Vec3(1, 2, -0.5).normalized();
+    const double angle = 0.7 + 0.3 * std::sin(t + 0.4);
+    const PosedShape a{&moving, Eigen::AngleAxisd(angle, axis).toRotationMatrix(), position, 2e8};
+    const PosedShape b{&fixed, Mat3::Identity(), Vec3::Zero(), 1e8};
+    Patch patch;
+    press(a, b, patch);
+    coupling::Load load = load_of(patch);
+    load.torque -= position.cross(load.force);  // about the moving body's centre
+    if (n > 0) {
+      const double step = 0.5 * (load.force + before.force).dot(position - position_before) +
+                          0.5 * (load.torque + before.torque).dot(angle * axis - turn_before);
+      work += step;
+      traffic += std::abs(step);
+    }
+    before = load;
+    position_before = position;
+    turn_before = angle * axis;
+  }
+  EXPECT_GT(traffic, 0);
+  return std::abs(work) / traffic;
+}
+
+TEST(ContactPatch, ForcesHaveAPotential) {
+  const ConvexShape big = box(0.4, 0.3, 0.1), cube = box(0.2, 0.2, 0.2);
+  const double coarse = relative_circulation(cube, big, 500), fine = relative_circulation(cube, big, 2000);
+  EXPECT_LT(fine, 1e-5);
+  EXPECT_LT(fine, 0.2 * coarse);  // the trapezium rule's error, of second order
+}
+
+TEST(ContactPatch, SeparationIsALowerBound) {
+  const ConvexShape shape = box(0.2, 0.2, 0.1);
+  const PosedShape a{&shape, Mat3::Identity(), Vec3::Zero(), 1}, b{&shape, Mat3::Identity(), Vec3(0, 0, 0.13), 1};
+  EXPECT_NEAR(separation(a, b), 0.03, 1e-15);
+  EXPECT_NEAR(separation_from_plane(b, Vec3(0, 0, 0.02), Vec3::UnitZ()), 0.06, 1e-15);
+  const coupling::Triangle far = {Vec3(5, 0, 0), Vec3(6, 0, 0), Vec3(5, 1, 0)};
+  EXPECT_NEAR(separation_from_triangle(a, far), 4.9, 1e-12);
+}
+
+TEST(ContactLaw, DampingNumberGivesTheRestitution) {
+  for (const double restitution : {0.05, 0.1, 0.5, 0.9, 0.99}) {
+    const double number = damping_number(restitution);
+    // m dv/dt = -d (1 + x v), d' = v, unit mass and stiffness, v = 1 at first.
+    double v = 1, d = 0;
+    const double dt = 1e-5;
+    while (d >= 0) {
+      v -= dt * d * (1 + number * v);
+      d += dt * v;
+    }
+    EXPECT_NEAR(-v, restitution, 1e-3);
+  }
+  EXPECT_EQ(damping_number(1), 0);
+  EXPECT_GT(damping_number(0), 10);
+}
+
+TEST(NearPairs, AreThoseOfAllPairs) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-1, 1), size(0.02, 0.15);
+  for (const double period : {0.0, 2.0, 0.9}) {
+    std::vector<Vec3> centres;
+    std::vector<double> radii;
+    for (int n = 0; n < 200; ++n) {
+      centres.emplace_back(place(random), place(random), place(random));
+      radii.push_back(size(random));
+    }
+    const Vec3 box(period, 0, period);
+    const auto found = near_pairs(centres, radii, 150, 0.05, box);
+    std::vector<std::pair<int, int>> expected;
+    for (int i = 0; i < 150; ++i) {
+      for (int j = i + 1; j < 200; ++j) {
+        Vec3 apart = centres[j] - centres[i];
+        for (int k = 0; k < 3; ++k) {
+          if (box[k] > 0) apart[k] -= box[k] * std::round(apart[k] / box[k]);
+        }
+        if (apart.norm() < radii[i] + radii[j] + 0.05) expected.emplace_back(i, j);
+      }
+    }
+    EXPECT_EQ(found, expected);
+  }
+}
+
+}  // namespace
+}  // namespace embacle::liggghts
