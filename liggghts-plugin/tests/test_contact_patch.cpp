@@ -56,7 +56,7 @@ TEST(ContactPatch, FaceOnFaceIsTwoSpringsInARow) {
   const ConvexShape lower = box(0.4, 0.3, 0.1), upper = box(0.1, 0.1, 0.1);
   const PosedShape a{&upper, Mat3::Identity(), Vec3(0, 0, 0.0995), 3e8}, b{&lower, Mat3::Identity(), Vec3::Zero(), 1e8};
   Patch patch;
-  press(a, b, patch);
+  press(a, b, -separation(a, b), patch);
   const auto load = load_of(patch);
   const double spring = 3e8 * 1e8 / 4e8 * 0.01;
   EXPECT_NEAR(load.force.z(), spring * 0.0005, 1e-2 * spring * 0.0005);  // its rim yields sideways
@@ -81,7 +81,7 @@ double relative_circulation(const ConvexShape& moving, const ConvexShape& fixed,
     const PosedShape a{&moving, Eigen::AngleAxisd(angle, axis).toRotationMatrix(), position, 2e8};
     const PosedShape b{&fixed, Mat3::Identity(), Vec3::Zero(), 1e8};
     Patch patch;
-    press(a, b, patch);
+    press(a, b, -separation(a, b), patch);
     coupling::Load load = load_of(patch);
     load.torque -= position.cross(load.force);  // about the moving body's centre
     if (n > 0) {

@@ -23,13 +23,13 @@ double damping_number(double restitution) {
   return low;
 }
 
-namespace {
-
-/// Damping ratio of a linear spring with this coefficient of restitution.
-double damping_ratio(double restitution) {
+ContactMaterial ContactMaterial::with(double restitution, double friction, double poisson_ratio) {
   const double logarithm = std::log(std::clamp(restitution, 0.02, 1.0));
-  return -logarithm / std::hypot(std::numbers::pi, logarithm);
+  return {friction, 0.5 / (1 + poisson_ratio), liggghts::damping_number(restitution),
+          -logarithm / std::hypot(std::numbers::pi, logarithm)};
 }
+
+namespace {
 
 /// The elastic part `stretched` follows its stiffness down, never up: what it stores may only be lost.
 double weakened(double stretched, double old_stiffness, double stiffness) {
@@ -72,7 +72,7 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
       memory.loading = 0;
     }
   }
-  const double number = damping_number(material.restitution);
+  const double number = material.damping_number;
   const double yield = first.yield(centre, normal) + second.yield(centre, normal);
   const double slowest = number * elastic_force * yield * dt;
   const double speed = std::max({memory.reference_speed, slowest, 1e-300});
@@ -106,7 +106,7 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
     twist -= twist_stiffness * dt * twisting;
   }
   const double mass = 1 / (first.inverse_mass + second.inverse_mass);
-  const double drag = 2 * damping_ratio(material.restitution) * std::sqrt(stiffness * mass);
+  const double drag = 2 * material.damping_ratio * std::sqrt(stiffness * mass);
   Vec3 friction = spring - drag * sliding;
   double torque = twist - drag * lever * lever * twisting;
   const double most_twist = limit * lever;

@@ -7,9 +7,13 @@ namespace embacle::liggghts {
 
 /// What a pair of materials does in contact.
 struct ContactMaterial {
-  double restitution = 1;        ///< separation over approach speed, 0 to 1; below 0.02 it acts as 0.02
   double friction = 0;           ///< Coulomb's coefficient, sticking and sliding
   double shear_stiffness = 0.4;  ///< of the patch, relative to its normal stiffness: 1 / (2 (1 + Poisson's ratio))
+  double damping_number = 0;     ///< see damping_number
+  double damping_ratio = 0;      ///< of friction's springs: of a linear spring with the same restitution
+
+  /// With separation over approach speed `restitution`, 0 to 1; below 0.02 it acts as 0.02.
+  static ContactMaterial with(double restitution, double friction, double poisson_ratio);
 };
 
 /// A rigid body's motion, about any origin.

@@ -127,10 +127,11 @@ ConvexShape convex_shape(const coupling::Shape& shape, const std::string& where)
       if (b == 0) {
         face.area = area;
         for (const Vec3& corner : piece.corners()) {
-          const bool known = std::any_of(result.corners.begin(), result.corners.end(), [&](const Vec3& other) {
+          const auto known = std::find_if(result.corners.begin(), result.corners.end(), [&](const Vec3& other) {
             return (other - corner).norm() < 1e-9 * result.reach;
           });
-          if (!known) result.corners.push_back(corner);
+          face.corners.push_back(static_cast<int>(known - result.corners.begin()));
+          if (known == result.corners.end()) result.corners.push_back(corner);
         }
       }
     }

@@ -36,6 +36,7 @@ struct ConvexShape {
   struct Face {
     HalfSpace outside;              ///< unit normal outwards; depth below the face = offset - normal . x
     std::vector<HalfSpace> region;  ///< the places inside the body that are nearest to this face
+    std::vector<int> corners;       ///< of the face, as indices
     coupling::Vec3 centre;          ///< of a sphere around the region [m]
     double reach = 0;               ///< its radius [m]
     double area = 0;                ///< of the face [m^2]

@@ -60,28 +60,25 @@ void FloeContacts::prepare() {
   const auto shapes = floe_shapes(lammps_);
   materials_.clear();
   const int types = lammps_->atom->ntypes;
-  const FixPropertyGlobal* young = find_property(lammps_, "youngsModulus", "peratomtype");
-  const FixPropertyGlobal* poisson = find_property(lammps_, "poissonsRatio", "peratomtype");
+  FixPropertyGlobal* young = find_property(lammps_, "youngsModulus", "peratomtype");
+  FixPropertyGlobal* poisson = find_property(lammps_, "poissonsRatio", "peratomtype");
   FixPropertyGlobal* restitution = find_property(lammps_, "coefficientRestitution", "peratomtypepair");
   FixPropertyGlobal* friction = find_property(lammps_, "coefficientFriction", "peratomtypepair");
-  young_.assign(types, 0);
-  poisson_.assign(types, 0);
-  restitution_.assign(types, std::vector<double>(types));
-  friction_ = restitution_;
+  young_.assign(young->get_values(), young->get_values() + types);
+  contact_materials_.assign(types, std::vector<ContactMaterial>(types));
   for (int i = 0; i < types; ++i) {
-    young_[i] = const_cast<FixPropertyGlobal*>(young)->get_values()[i];
-    poisson_[i] = const_cast<FixPropertyGlobal*>(poisson)->get_values()[i];
+    if (!(young_[i] > 0)) throw InputError(fmt::format("{}: youngsModulus of type {} must be positive", model, i + 1));
     for (int j = 0; j < types; ++j) {
-      restitution_[i][j] = restitution->compute_array(i, j);
-      friction_[i][j] = friction->compute_array(i, j);
-      if (restitution_[i][j] < 0 || restitution_[i][j] > 1 || friction_[i][j] < 0) {
+      const double e = restitution->compute_array(i, j), mu = friction->compute_array(i, j);
+      if (!(e >= 0 && e <= 1 && mu >= 0)) {
         throw InputError(fmt::format(
             "{}: coefficientRestitution {} or coefficientFriction {} of the types {} and {} is out of range: "
             "allowed are 0 to 1, and 0 or more",
-            model, restitution_[i][j], friction_[i][j], i + 1, j + 1));
+            model, e, mu, i + 1, j + 1));
       }
+      contact_materials_[i][j] =
+          ContactMaterial::with(e, mu, 0.5 * (poisson->get_values()[i] + poisson->get_values()[j]));
     }
-    if (!(young_[i] > 0)) throw InputError(fmt::format("{}: youngsModulus of type {} must be positive", model, i + 1));
   }
   for (const FloeShape* shape : shapes) {
     Material material;
@@ -127,14 +124,6 @@ void FloeContacts::find_walls() {
     wall.atom_type = fix->atom_type_wall();
     walls_.push_back(wall);
   }
-}
-
-ContactMaterial FloeContacts::material(int first_type, int second_type) const {
-  ContactMaterial result;
-  result.restitution = restitution_[first_type - 1][second_type - 1];
-  result.friction = friction_[first_type - 1][second_type - 1];
-  result.shear_stiffness = 0.5 / (1 + 0.5 * (poisson_[first_type - 1] + poisson_[second_type - 1]));
-  return result;
 }
 
 double FloeContacts::wall_share(int body_type, int wall_type) const {
@@ -252,7 +241,8 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
   if (apart.squaredNorm() < reach * reach) {
     PosedShape a = posed(first, first.motion.position), b = posed(second, second.motion.position);
     b.position = apart;
-    if (separation(a, b) < 0) press(a, b, patch_);
+    const double gap = separation(a, b);
+    if (gap < 0) press(a, b, -gap, patch_);
   }
   if (patch_.empty()) {
     pair.memory.touching = 0;

@@ -97,7 +97,9 @@ class FloeContacts {
   void collect(std::map<Key, ContactMemory>& memories) const;
   [[nodiscard]] PosedShape posed(const Body& body, const coupling::Vec3& origin) const;
   [[nodiscard]] coupling::Vec3 nearest_image(coupling::Vec3 difference) const;
-  [[nodiscard]] ContactMaterial material(int first_type, int second_type) const;
+  [[nodiscard]] const ContactMaterial& material(int first_type, int second_type) const {
+    return contact_materials_[first_type - 1][second_type - 1];
+  }
   [[nodiscard]] double wall_share(int body_type, int wall_type) const;
   void compute_all(bool advance);
   void compute_pair(Pair& pair, bool advance);
@@ -110,9 +112,9 @@ class FloeContacts {
 
   LAMMPS_NS::LAMMPS* lammps_;
   LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
-  std::vector<Material> materials_;  ///< by shape
-  std::vector<double> young_, poisson_;
-  std::vector<std::vector<double>> restitution_, friction_;  ///< by atom types
+  std::vector<Material> materials_;                              ///< by shape
+  std::vector<double> young_;                                    ///< by atom type
+  std::vector<std::vector<ContactMaterial>> contact_materials_;  ///< by atom types
   std::vector<Wall> walls_;
   std::vector<Body> bodies_;  ///< owned ones first, then those of other ranks that are near
   std::size_t owned_ = 0;

@@ -44,8 +44,8 @@ struct Patch {
   }
 };
 
-/// Adds the patch between two bodies.
-void press(const PosedShape& first, const PosedShape& second, Patch& patch);
+/// Adds the patch between two bodies that overlap, with the overlap that separation() found.
+void press(const PosedShape& first, const PosedShape& second, double overlap, Patch& patch);
 /// Adds the patch of a body on a plane through `point` with the unit normal towards the free side.
 void press_plane(const PosedShape& body, const coupling::Vec3& point, const coupling::Vec3& normal, Patch& patch);
 /// Likewise on a triangle; its solid side is where `normal` does not point.
@@ -53,7 +53,7 @@ void press_triangle(const PosedShape& body, const coupling::Triangle& triangle, 
                     Patch& patch);
 
 /// A lower bound of the distance [m] between two bodies: the largest distance by which a face of one separates the
-/// other; negative if they may overlap.
+/// other; negative if they may overlap: then no place of the overlap is deeper below the surface of that one than this.
 double separation(const PosedShape& first, const PosedShape& second);
 /// Likewise for a triangle.
 double separation_from_triangle(const PosedShape& body, const coupling::Triangle& triangle);
