@@ -446,13 +446,14 @@ int Simulation::begin_epoch(int wanted_windows) {
 void Simulation::renew_lists(double time) {
   find_neighbours(time);
   measure_imbalance();
-  if (started_) extremes_.imbalance_met = std::max(extremes_.imbalance_met, imbalance_);
+  const double met = started_ ? imbalance_ : 1;  // the first lists are made to decompose by
   if (link_ == nullptr && uneven()) {
     decompose();
     find_neighbours(time);
     measure_imbalance();
   }
   extremes_.imbalance = std::max(extremes_.imbalance, imbalance_);
+  extremes_.imbalance_met = std::max({extremes_.imbalance_met, extremes_.imbalance, met});
 }
 
 bool Simulation::uneven() const { return imbalance_ > scene_.numerics.rebalance_imbalance; }
