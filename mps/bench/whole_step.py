@@ -97,6 +97,7 @@ def figures(summary, ranks, threads, support, skin):
         "shares": {name: phases[name] / seconds for name in SWEPT},
         "builds_per_step": summary["neighbour_list_builds"] / steps,
         "imbalance": summary["imbalance_largest"],
+        "imbalance_met": summary["imbalance_met"],
         "halo_kB_per_rank_and_step": summary["halo"]["bytes_per_rank_and_step"] / 1000,
         "messages_per_rank_and_step": summary["halo"]["messages_per_rank_and_step"],
         "halo_over_ideal_cube": ghosts / ideal_halo(water / ranks, support, skin) if ranks > 1 else 0.0,
@@ -110,6 +111,7 @@ COLUMNS = [("ranks", "ranks", "d"), ("threads", "threads", "d"), ("support", "su
            ("listed_M_per_s_and_core", "listed [M]", ".0f"), ("bytes_per_water_particle", "bytes a water particle", ".0f"),
            ("bytes_per_particle", "of all", ".0f"), ("peak_resident_bytes_per_particle", "peak resident", ".0f"),
            ("builds_per_step", "builds a step", ".3f"), ("imbalance", "imbalance", ".2f"),
+           ("imbalance_met", "before new decompositions", ".2f"),
            ("halo_kB_per_rank_and_step", "halo [kB a rank and step]", ".0f"),
            ("messages_per_rank_and_step", "messages", ".1f"), ("halo_over_ideal_cube", "halo over ideal cube", ".2f")]
 

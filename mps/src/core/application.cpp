@@ -28,9 +28,9 @@ namespace embacle::mps {
 
 namespace {
 
-/// Windows between two looks at the balance: in the violent phase of a dam break work shifts by 7 % in 50 of them.
+/// Windows between two questions whether the run shall end early.
 constexpr int windows_per_epoch = 10;
-/// With solids each look plans the coupling anew.
+/// With solids each epoch plans the coupling anew, and only then the water may be shared out anew.
 constexpr int windows_per_coupled_epoch = 50;
 /// Measured on a 2.4 GHz EPYC core: listed directed pairs per second, both sweeps; for the estimate of --check only.
 constexpr double pairs_per_second = 2.0e8;

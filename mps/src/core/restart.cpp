@@ -73,6 +73,7 @@ void Simulation::save(CheckpointContent& content) {
   content.lists["motions"].assign(motions, motions + 3);
   content.numbers["shortest_step"] = extremes_.shortest_step;
   content.numbers["imbalance_largest"] = extremes_.imbalance;
+  content.numbers["imbalance_met"] = extremes_.imbalance_met;
   content.lists["limited_steps"].assign(counters_.limited_steps.begin(), counters_.limited_steps.end());
   content.counts["windows"] = counters_.windows;
   content.counts["steps"] = counters_.steps;
@@ -172,6 +173,7 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   if (motions.size() == 3) own_motions_ = motions_ = {motions[0], motions[1], motions[2]};
   extremes_.shortest_step = checkpoint.number("shortest_step");
   extremes_.imbalance = checkpoint.number("imbalance_largest");
+  extremes_.imbalance_met = checkpoint.number("imbalance_met");
   const std::vector<double> limited = checkpoint.list("limited_steps");
   for (std::size_t k = 0; k < std::min(limited.size(), counters_.limited_steps.size()); ++k)
     counters_.limited_steps[k] = static_cast<std::int64_t>(limited[k]);

@@ -43,7 +43,7 @@ void Simulation::step(double share_of_window) {
     halo_.update_motion(particles_);
   }
   synchronise();
-  if (!lists_valid_) find_neighbours(time_ + constants_.step);
+  if (!lists_valid_) renew_lists(time_ + constants_.step);
   if (corrections_) {
     const Timer timer(phases_, Phase::corrections);
     corrections_->update(particles_, neighbours_, halo_, motions_.water);
@@ -414,12 +414,8 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
 int Simulation::begin_epoch(int wanted_windows) {
   if (started_) synchronise();  // also after the last step: its failure must not go unsaid
   int windows = wanted_windows;
-  if (wanted_windows > 0 && started_) {
-    if (!lists_valid_) find_neighbours(time_);  // after a checkpoint or a restart
-    balance();
-    extremes_.imbalance = std::max(extremes_.imbalance, imbalance_);
-  }
   if (link_ != nullptr) {
+    if (wanted_windows > 0 && started_ && uneven()) decompose();
     const Timer timer(phases_, Phase::coupling);
     coupling::Epoch proposal{wanted_windows, window_length(), time_, false};
     windows = link_->plan(decomposition_.own(), proposal).windows;
@@ -430,26 +426,41 @@ int Simulation::begin_epoch(int wanted_windows) {
     }
   }
   if (!started_ && windows > 0) {
-    find_neighbours(time_);
-    if (link_ == nullptr) {  // the first decomposition knew no lists; with solids the plan rests on it
-      balance();
-      if (!lists_valid_) find_neighbours(time_);
-    }
     if (bodies_) {
-      remove_water_in_bodies();
       find_neighbours(time_);
-      if (scene_.coupling.scheme == Scheme::parallel) {  // the solids start from the load at rest
-        evaluate_forces(time_);
-        link_->send_loads(load_);
-      }
+      remove_water_in_bodies();
+    }
+    renew_lists(time_);                                           // the first decomposition knew no lists
+    if (bodies_ && scene_.coupling.scheme == Scheme::parallel) {  // the solids start from the load at rest
+      evaluate_forces(time_);
+      link_->send_loads(load_);
     }
     started_ = true;
   }
   return windows;
 }
 
-/// Shares the water out anew if the work of the ranks, what their sweeps go through, has become uneven.
-void Simulation::balance() {
+/// The work of the ranks changes when lists are built, and only then: planes of a lattice that a cut passes through
+/// change sides as a whole, and a front grows by a tenth within a few builds. Therefore it is shared out anew before
+/// any step goes through uneven lists; but with solids, whose plan rests on the decomposition, when an epoch begins.
+void Simulation::renew_lists(double time) {
+  find_neighbours(time);
+  measure_imbalance();
+  const double met = started_ ? imbalance_ : 1;  // the first lists are made to decompose by
+  if (link_ == nullptr && uneven()) {
+    decompose();
+    find_neighbours(time);
+    measure_imbalance();
+  }
+  extremes_.imbalance = std::max(extremes_.imbalance, imbalance_);
+  extremes_.imbalance_met = std::max({extremes_.imbalance_met, extremes_.imbalance, met});
+}
+
+bool Simulation::uneven() const { return imbalance_ > scene_.numerics.rebalance_imbalance; }
+
+/// Of the work of the ranks: what their sweeps go through.
+void Simulation::measure_imbalance() {
+  const Timer timer(phases_, Phase::synchronisation);
   const double work =
       static_cast<double>(neighbours_.pairs()) + work_of_particle * static_cast<double>(particles_.own());
   double sum = 0, largest = 0;
@@ -458,7 +469,6 @@ void Simulation::balance() {
   MPI_Allreduce(&work, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
   MPI_Allreduce(&work, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
   imbalance_ = sum > 0 ? largest * size / sum : 1.0;
-  if (imbalance_ > scene_.numerics.rebalance_imbalance) decompose();
 }
 
 /// Bodies must be where the water's domain is: at the start the user's mistake, later a body that was thrown out.
@@ -493,10 +503,13 @@ void Simulation::decompose() {
     add(particles_.record[i], listed ? work_of(neighbours_.of_water(i)) : expected_work);
   }
   for (const WallPoint& point : wall_points_) add(place_of(point), 0.02F * expected_work);
+  // Of the wall points near water some are dry all the same, but are work as particles are.
+  std::vector<float> near_water(particles_.solid, work_of_particle);
   const auto& wet = neighbours_.wet_points();
-  for (std::size_t k = 0; k < wet.size(); ++k) {
-    if (particles_.identity[wet[k]].owner < walls_.count())
-      add(particles_.record[wet[k]], work_of(neighbours_.of_wet_point(k)));
+  for (std::size_t k = 0; k < wet.size(); ++k)
+    near_water[wet[k] - particles_.water] = work_of(neighbours_.of_wet_point(k));
+  for (std::size_t j = particles_.water; j < particles_.own(); ++j) {
+    if (particles_.identity[j].owner < walls_.count()) add(particles_.record[j], near_water[j - particles_.water]);
   }
   decomposition_.partition(scene_.dimension, positions, weights);
   anywhere_ = true;

@@ -33,7 +33,8 @@ struct Extremes {
   double compression = 0;            ///< |rho/rho0 - 1|
   double pressure = 0;               ///< [Pa]
   double shortest_step = 1e300;      ///< of all ranks [s]
-  double imbalance = 1;              ///< at the end of an epoch, before a new decomposition
+  double imbalance = 1;              ///< of all lists that steps went through
+  double imbalance_met = 1;          ///< also of lists that no step went through, before a new decomposition
   double body_penetration = -1e300;  ///< deepest place of a water particle below the surface of a body [m]
 };
 
@@ -61,7 +62,7 @@ class Simulation {
   /// `link`: null for a scene without bodies. `restart`: continue from there (only without bodies). Collective.
   Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link, const CheckpointReader* restart = nullptr);
 
-  /// Starts an epoch: a new decomposition if the work has become uneven, and with solids a new plan of the coupling.
+  /// Starts an epoch: with solids a new decomposition if the work has become uneven, and a new plan of the coupling.
   /// Returns the number of windows to run; `wanted` is 0 to finish. Collective.
   int begin_epoch(int wanted_windows);
   /// One window: the scene's steps per window, then the exchange with the solids.
@@ -94,7 +95,7 @@ class Simulation {
   [[nodiscard]] const Halo& halo() const { return halo_; }
   [[nodiscard]] Phases& phases() { return phases_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
-  /// Largest work of a rank over the mean, at the last epoch.
+  /// Largest work of a rank over the mean, by the last lists.
   [[nodiscard]] double imbalance() const { return imbalance_; }
   [[nodiscard]] std::int64_t removed_at_start() const { return removed_at_start_; }
   [[nodiscard]] std::size_t bytes() const;
@@ -116,9 +117,11 @@ class Simulation {
   void move_walls(double step);
   void synchronise();                 ///< agrees on stale lists, on failures and on requests
   void find_neighbours(double time);  ///< `time` is that of the positions
+  void renew_lists(double time);      ///< builds them, so that the ranks have about the same work
   void evaluate_forces(double time);  ///< `time` is that of the positions
   void integrate_velocities();
-  void balance();
+  void measure_imbalance();
+  [[nodiscard]] bool uneven() const;
   void decompose();
   void restore(const CheckpointReader& checkpoint);
   void restore_wall_density(const CheckpointReader& checkpoint);

@@ -23,7 +23,7 @@ void Simulation::step_symplectic() {
     const Timer timer(phases_, Phase::halo);
     halo_.update_motion(particles_);
   } else {
-    find_neighbours(time_);
+    renew_lists(time_);
     remember_start();
   }
 

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/simulation.hpp"
+#include "small_scenes.hpp"
+
 namespace embacle::mps {
 namespace {
 
@@ -62,6 +65,34 @@ TEST(Decomposition, CutsDivideThePlanesOfALattice) {
       EXPECT_GE(decomposition.owner(corner, 0), 0);
     }
   }
+}
+
+/// Counted here from the lists: entries, and 8 for every own particle.
+double imbalance_of(const Simulation& simulation) {
+  const double work = static_cast<double>(simulation.neighbours().pairs() + 8 * simulation.particles().own());
+  double sum = 0, largest = 0;
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  MPI_Allreduce(&work, &sum, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  MPI_Allreduce(&work, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  return largest * ranks / sum;
+}
+
+TEST(Decomposition, NoStepGoesThroughUnevenLists) {
+  const Scene scene = test::collapsing_column(3, 14);
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  (void)simulation.begin_epoch(1);
+  double largest = imbalance_of(simulation);
+  for (int k = 0; k < 500; ++k) {  // without another epoch
+    simulation.window();
+    largest = std::max(largest, imbalance_of(simulation));
+  }
+  EXPECT_LE(largest, scene.numerics.rebalance_imbalance);
+  EXPECT_EQ(largest, simulation.extremes().imbalance);
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (ranks == 1) return;
+  EXPECT_GT(simulation.extremes().imbalance_met, scene.numerics.rebalance_imbalance);  // there was need
 }
 
 }  // namespace
