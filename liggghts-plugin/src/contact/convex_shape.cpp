@@ -15,17 +15,26 @@ void Polygon::set_square(const Vec3& centre, const Vec3& unit_normal, double rea
 }
 
 bool Polygon::cut(const HalfSpace& half_space) {
-  spare_.clear();
   const std::size_t count = corners_.size();
-  double above = count == 0 ? 0 : half_space.normal.dot(corners_[count - 1]) - half_space.offset;
+  above_.resize(count);
+  std::size_t outside = 0;
   for (std::size_t c = 0; c < count; ++c) {
-    const Vec3& before = corners_[c == 0 ? count - 1 : c - 1];
-    const double above_before = above;
-    above = half_space.normal.dot(corners_[c]) - half_space.offset;
-    if ((above > 0) != (above_before > 0)) {
-      spare_.push_back(before + (corners_[c] - before) * (above_before / (above_before - above)));
+    above_[c] = half_space.normal.dot(corners_[c]) - half_space.offset;
+    outside += above_[c] > 0 ? 1 : 0;
+  }
+  if (outside == 0) return count > 0;
+  if (outside == count) {
+    corners_.clear();
+    return false;
+  }
+  spare_.clear();
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::size_t before = c == 0 ? count - 1 : c - 1;
+    if ((above_[c] > 0) != (above_[before] > 0)) {
+      spare_.push_back(corners_[before] +
+                       (corners_[c] - corners_[before]) * (above_[before] / (above_[before] - above_[c])));
     }
-    if (above <= 0) spare_.push_back(corners_[c]);
+    if (above_[c] <= 0) spare_.push_back(corners_[c]);
   }
   corners_.swap(spare_);
   if (corners_.size() < 3) corners_.clear();

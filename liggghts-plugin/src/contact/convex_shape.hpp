@@ -28,6 +28,7 @@ class Polygon {
 
  private:
   std::vector<coupling::Vec3> corners_, spare_;
+  std::vector<double> above_;  ///< distance of each corner beyond the half-space of the last cut
 };
 
 /// In the body frame of the shape it was made of.

@@ -129,15 +129,17 @@ void press(const PosedShape& first, const PosedShape& second, double overlap_dep
   const std::size_t begin = patch.places.size();
   for (const NearFace& f : first_faces) {
     for (const NearFace& g : second_faces) {
-      if (!overlap(f.box, g.box)) continue;
+      const Vec3 lower = f.box.lower.cwiseMax(g.box.lower), upper = f.box.upper.cwiseMin(g.box.upper);
+      if ((lower.array() > upper.array()).any()) continue;
       // Equal pressure: difference . x + value = 0; the difference grows into the first body.
       const Vec3 difference = f.pressure.slope - g.pressure.slope;
       const double length = difference.norm();
       if (length < 1e-9 * (first.hardness + second.hardness)) continue;
       const Vec3 normal = difference / length;
-      const double height = f.pressure.above(g.pressure, f.face->centre) / length;
-      if (std::abs(height) > f.face->reach) continue;
-      polygon.set_square(f.face->centre - height * normal, normal, f.face->reach);
+      const Vec3 centre = 0.5 * (lower + upper), half = 0.5 * (upper - lower);
+      const double height = f.pressure.above(g.pressure, centre) / length;
+      if (std::abs(height) > half.dot(normal.cwiseAbs())) continue;  // the plane passes by
+      polygon.set_square(centre - height * normal, normal, half.norm());
       if (cut_by(f.region, polygon) && cut_by(g.region, polygon)) {
         add_polygon(polygon, normal, f.pressure, spring, patch);
       }

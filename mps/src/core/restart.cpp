@@ -61,6 +61,7 @@ void Simulation::save(CheckpointContent& content) {
   MPI_Comm_size(comm_, &size);
   content.numbers["time"] = time_;
   content.numbers["imbalance"] = imbalance_;
+  content.numbers["imbalance_evened"] = evened_imbalance_;
   content.numbers["audit_reaction_mismatch"] = worst_audit_.reaction_mismatch;
   content.numbers["audit_momentum_residual"] = worst_audit_.momentum_residual;
   double extremes[3] = {extremes_.speed, extremes_.compression, extremes_.pressure};
@@ -165,6 +166,7 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   started_ = true;
 
   imbalance_ = checkpoint.number("imbalance");
+  evened_imbalance_ = checkpoint.number("imbalance_evened");
   worst_audit_ = {checkpoint.number("audit_reaction_mismatch"), checkpoint.number("audit_momentum_residual")};
   extremes_.speed = checkpoint.number("extreme_speed");
   extremes_.compression = checkpoint.number("extreme_compression");

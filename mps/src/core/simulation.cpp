@@ -451,12 +451,16 @@ void Simulation::renew_lists(double time) {
     decompose();
     find_neighbours(time);
     measure_imbalance();
+    evened_imbalance_ = imbalance_;
   }
   extremes_.imbalance = std::max(extremes_.imbalance, imbalance_);
   extremes_.imbalance_met = std::max({extremes_.imbalance_met, extremes_.imbalance, met});
 }
 
-bool Simulation::uneven() const { return imbalance_ > scene_.numerics.rebalance_imbalance; }
+/// Where the last decomposition could do no better, as with few particles a rank, another would not either.
+bool Simulation::uneven() const {
+  return imbalance_ > std::max(scene_.numerics.rebalance_imbalance, evened_imbalance_ + 0.05);
+}
 
 /// Of the work of the ranks: what their sweeps go through.
 void Simulation::measure_imbalance() {

@@ -175,9 +175,10 @@ class Simulation {
   bool anywhere_ = true;  ///< the next migration follows a new decomposition
   double time_ = 0;
   double imbalance_ = 1;
-  double longest_step_ = 0;  ///< [s]
-  Motions own_motions_;      ///< of the own water and bodies, in the last step
-  Motions motions_;          ///< of all ranks, in the step before
+  double evened_imbalance_ = 1;  ///< right after the last decomposition that uneven lists called for
+  double longest_step_ = 0;      ///< [s]
+  Motions own_motions_;          ///< of the own water and bodies, in the last step
+  Motions motions_;              ///< of all ranks, in the step before
   std::int64_t removed_at_start_ = 0;
   bool started_ = false;
   std::int64_t earlier_steps_ = 0;
