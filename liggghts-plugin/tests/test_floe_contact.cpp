@@ -251,6 +251,20 @@ TEST(FloeContact, ContinuesFromARestartFile) {
   expect_same(one_rank.bodies(), whole.bodies(), 1e-9);
 }
 
+TEST(FloeContact, StopsWhenTheTimeStepIsTooLong) {
+  if (!alone()) GTEST_SKIP();
+  Solids solids;
+  solids.prepare("5e12", "floe");
+  solids.run({"timestep 1e-5", floor_wall,
+              "fix floes all floe/create " + box(8) + "position 0 0 0.0501 velocity 0 0 -1", "run 0"});
+  try {
+    solids.run({"run 100"});
+    ADD_FAILURE() << "went on";
+  } catch (const coupling::InstabilityError& error) {
+    EXPECT_NE(std::string(error.what()).find("body 1 and fix floor"), std::string::npos) << error.what();
+  }
+}
+
 TEST(FloeContact, RefusesWhatItDoesNotKnow) {
   if (!alone()) GTEST_SKIP();
   const auto refused = [](const std::vector<std::string>& lines) {

@@ -231,6 +231,20 @@ void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) 
   Eigen::Map<Vec3>(bodies.extract_double_vector("torque")[body.local]) += torque;
 }
 
+void FloeContacts::check_step(const Patch& patch, double inverse_mass, BodyTag body, BodyTag other) const {
+  const double frequency = std::sqrt(patch.stiffness * inverse_mass), step = lammps_->update->dt;
+  constexpr double coarsest = 0.5;  // six steps a contact; beyond 2 the integration explodes
+  if (step * frequency <= coarsest) return;
+  const std::string who = other > 0 ? fmt::format("the bodies {} and {}", body, other)
+                                    : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
+  throw coupling::InstabilityError(
+      fmt::format("{}: at step {} the time step of {:.3g} s is too long for the contact of {}, which lasts {:.3g} s: "
+                  "at most {:.3g} s, "
+                  "better {:.1g} s; or a lower youngsModulus",
+                  model, lammps_->update->ntimestep, step, who, std::numbers::pi / frequency, coarsest / frequency,
+                  std::numbers::pi / 20 / frequency));
+}
+
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
   const Body& first = bodies_[pair.first];
   const Body& second = bodies_[pair.second];
@@ -248,6 +262,7 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
     pair.memory.touching = 0;
     return;
   }
+  check_step(patch_, first.motion.inverse_mass + second.motion.inverse_mass, first.tag, second.tag);
   RigidMotion of_first = first.motion, of_second = second.motion;
   of_first.position = Vec3::Zero();
   of_second.position = apart;
@@ -284,6 +299,7 @@ void FloeContacts::compute_wall(WallPair& pair, bool advance) {
       memory.touching = 0;
       continue;
     }
+    check_step(patches[direction], body.motion.inverse_mass, body.tag, -1 - pair.wall);
     const auto load = contact_force(patches[direction], motion, motions[direction], material(type, wall.atom_type),
                                     lammps_->update->dt, advance, memory);
     add(body, load.force, load.torque);
