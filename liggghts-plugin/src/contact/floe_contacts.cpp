@@ -231,18 +231,26 @@ void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) 
   Eigen::Map<Vec3>(bodies.extract_double_vector("torque")[body.local]) += torque;
 }
 
-void FloeContacts::check_step(const Patch& patch, double inverse_mass, BodyTag body, BodyTag other) const {
+void FloeContacts::check(const Patch& patch, double inverse_mass, double strength, BodyTag body, BodyTag other) const {
   const double frequency = std::sqrt(patch.stiffness * inverse_mass), step = lammps_->update->dt;
+  double pressure = 0;
+  for (const auto& place : patch.places) pressure = std::max(pressure, place.pressure);
   constexpr double coarsest = 0.5;  // six steps a contact; beyond 2 the integration explodes
-  if (step * frequency <= coarsest) return;
+  constexpr double deepest = 0.8;   // of the way to the middle of a body, beyond which it is pushed out at the back
+  if (step * frequency <= coarsest && pressure <= deepest * strength) return;
   const std::string who = other > 0 ? fmt::format("the bodies {} and {}", body, other)
                                     : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
-  throw coupling::InstabilityError(
-      fmt::format("{}: at step {} the time step of {:.3g} s is too long for the contact of {}, which lasts {:.3g} s: "
-                  "at most {:.3g} s, "
-                  "better {:.1g} s; or a lower youngsModulus",
-                  model, lammps_->update->ntimestep, step, who, std::numbers::pi / frequency, coarsest / frequency,
-                  std::numbers::pi / 20 / frequency));
+  if (pressure > deepest * strength) {
+    throw coupling::InstabilityError(fmt::format(
+        "{}: at step {} {} press into each other almost to the middle, with {:.3g} Pa: youngsModulus is too "
+        "low for their speed, or the time step of {:.3g} s too long",
+        model, lammps_->update->ntimestep, who, pressure, step));
+  }
+  throw coupling::InstabilityError(fmt::format(
+      "{}: at step {} the time step of {:.3g} s is too long for the contact of {}, which lasts {:.3g} s: at "
+      "most {:.3g} s, better {:.1g} s; or a lower youngsModulus",
+      model, lammps_->update->ntimestep, step, who, std::numbers::pi / frequency, coarsest / frequency,
+      std::numbers::pi / 20 / frequency));
 }
 
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
@@ -262,7 +270,8 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
     pair.memory.touching = 0;
     return;
   }
-  check_step(patch_, first.motion.inverse_mass + second.motion.inverse_mass, first.tag, second.tag);
+  check(patch_, first.motion.inverse_mass + second.motion.inverse_mass,
+        std::min(strength(first.shape), strength(second.shape)), first.tag, second.tag);
   RigidMotion of_first = first.motion, of_second = second.motion;
   of_first.position = Vec3::Zero();
   of_second.position = apart;
@@ -278,7 +287,8 @@ void FloeContacts::compute_wall(WallPair& pair, bool advance) {
   const Wall& wall = walls_[pair.wall];
   const int type = materials_[body.shape].atom_type;
   PosedShape shape = posed(body, body.motion.position);
-  shape.hardness *= wall_share(type, wall.atom_type);
+  const double share = wall_share(type, wall.atom_type);
+  shape.hardness *= share;
   std::array<Patch, 6> patches;
   std::array<RigidMotion, 6> motions;
   if (wall.mesh) {
@@ -299,7 +309,7 @@ void FloeContacts::compute_wall(WallPair& pair, bool advance) {
       memory.touching = 0;
       continue;
     }
-    check_step(patches[direction], body.motion.inverse_mass, body.tag, -1 - pair.wall);
+    check(patches[direction], body.motion.inverse_mass, strength(body.shape) * share, body.tag, -1 - pair.wall);
     const auto load = contact_force(patches[direction], motion, motions[direction], material(type, wall.atom_type),
                                     lammps_->update->dt, advance, memory);
     add(body, load.force, load.torque);

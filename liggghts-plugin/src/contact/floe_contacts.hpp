@@ -101,8 +101,14 @@ class FloeContacts {
     return contact_materials_[first_type - 1][second_type - 1];
   }
   [[nodiscard]] double wall_share(int body_type, int wall_type) const;
-  /// Throws InstabilityError if the time step is too long for a patch; `other`: a body or -1 - wall.
-  void check_step(const Patch& patch, double inverse_mass, coupling::BodyTag body, coupling::BodyTag other) const;
+  /// Throws InstabilityError if the time step is too long for a patch, or its pressure near `strength`, the largest
+  /// that a body can have; `other`: a body or -1 - wall.
+  void check(const Patch& patch, double inverse_mass, double strength, coupling::BodyTag body,
+             coupling::BodyTag other) const;
+  /// Pressure [Pa] in the middle of a shape.
+  [[nodiscard]] double strength(int shape) const {
+    return 0.5 * materials_[shape].hardness * materials_[shape].shape.thickness;
+  }
   void compute_all(bool advance);
   void compute_pair(Pair& pair, bool advance);
   void compute_wall(WallPair& pair, bool advance);
