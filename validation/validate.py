@@ -110,7 +110,8 @@ class Context:
         done = subprocess.run(command, capture_output=True, text=True, env=environment, stdin=subprocess.DEVNULL)
         seconds = time.monotonic() - start
         if done.returncode != 0:
-            raise CaseError(f"{name}: liggghts-mps ended with status {done.returncode}:\n    {done.stderr.strip()}")
+            reason = [line for line in done.stderr.splitlines() if "error:" in line] or [done.stderr.strip()]
+            raise CaseError(f"{name}: status {done.returncode}: {reason[0].removeprefix('liggghts-mps: error: ')}")
         with table.open() as stream:
             names = [column.split("[")[0].strip() for column in stream.readline().split(",")]
             numbers = np.loadtxt(stream, delimiter=",", ndmin=2)

@@ -7,7 +7,7 @@ a rigid one does not; that is reported apart.
 """
 
 import numpy as np
-from validate import Bar
+from validate import Bar, CaseError
 
 TITLE = "floes in contact: rebound, rest and friction, whatever spheres cover them"
 EDGE, HEIGHT, DENSITY = 0.2, 0.1, 900
@@ -172,6 +172,42 @@ def compliance(context, effort):
                       "", hit.run.seconds, "rigid-body impact", required=False)
 
 
+def extremes(context, effort):
+    """Elastic impacts of a tilted box on the floor, far from any ordinary: what is lost or gained, or why it was stopped."""
+    context.note("Elastic impacts on the floor, tilted by 30 degrees, a twentieth of the contact time a step:")
+    context.note("")
+    context.note("| modulus [Pa] | speed [m/s] | energy after over before, less 1 | largest force [N] | contact [s] | run [s] |")
+    context.note("|---|---|---|---|---|---|")
+    worst, silent = 0.0, 0
+    for young in (5e6, 1e8, 9e9, 2.1e11):
+        for v in (0.01, 1, 100):
+            dt = np.pi / 20 * HEIGHT * np.sqrt(DENSITY / young)
+            depth = v * HEIGHT * np.sqrt(DENSITY / young)  # of a face; an edge goes deeper
+            steps = int(np.clip(3 * GAP / v / dt + 40 * (1 + (EDGE / depth) ** (1 / 3)), 400, 20000))
+            angle = np.radians(30)
+            low = EDGE / 2 * np.sin(angle) + HEIGHT / 2 * np.cos(angle)
+            try:
+                run, table = context.solids("extreme", "in.impact", {
+                    "model": "floe", "e": 1, "v": v, "young": young, "spheres": 8, "tilt": 30, "other": 0,
+                    "z0": low + GAP, "x1": 0, "z1": 0, "dt": dt, "every": 1, "steps": steps})
+            except CaseError as error:
+                context.note(f"| {young:.3g} | {v} | stopped: {str(error).removeprefix('extreme: ')} | | | |")
+                silent += "too long" not in str(error) and "press into each other" not in str(error)
+                continue
+            energy = MASS / 2 * (table["vx"]**2 + table["vy"]**2 + table["vz"]**2) + INERTIA / 2 * table["wy"]**2
+            free = np.nonzero(table["fz"] == 0)[0]
+            touched = np.count_nonzero(table["fz"])
+            error = energy[free[-1]] / energy[0] - 1 if touched and free[-1] > touched else np.nan
+            silent += not abs(error) < 0.01
+            worst = max(worst, abs(error))
+            context.note(f"| {young:.3g} | {v} | {error:.2e} | {table['fz'].max():.4g} | {touched * dt:.3g} | "
+                         f"{run.seconds:.2f} |")
+    context.note("")
+    yield bar("12 elastic impacts, modulus 5e6 to 2.1e11 Pa, 0.01 to 100 m/s: energy error, worst", worst, 0, 0.01, "", 0,
+              "elastic")
+    yield bar("of these neither right nor stopped", silent, 0, 0, "impacts", 0, "no silent wrong answers")
+
+
 def bar(name, value, lower, upper, unit, seconds, source, required=True):
     return Bar(name, float(value), lower, upper, unit, seconds, source, required, seconds)
 
@@ -180,6 +216,7 @@ def measure(context):
     effort = EFFORTS[context.effort]
     yield from impacts(context, effort)
     yield from compliance(context, effort)
+    yield from extremes(context, effort)
     yield from rests(context, effort)
     yield from friction(context, effort)
     stock_beside(context, effort)
