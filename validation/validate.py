@@ -15,11 +15,14 @@ import importlib.util
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+MPIRUN = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--mca", "btl_vader_single_copy_mechanism", "none",
+          "--mca", "mpi_yield_when_idle", "1", "-n"]
 CURVE_POINTS = 500  # of a curve in the report, about
 
 
@@ -93,16 +96,17 @@ class Context:
         summary = json.loads((out / "summary.json").read_text()) if status == 0 else {}
         return Run(out, seconds, summary, status, "\n".join(tail))
 
-    def solids(self, name, script, variables):
-        """Runs a LIGGGHTS script of the case alone on one rank, with variables and `out`, a file that it writes; returns
-        the Run and that file's columns as arrays. Raises CaseError."""
+    def solids(self, name, script, variables, ranks=1):
+        """Runs a LIGGGHTS script of the case alone, with variables and `out`, a file that it writes; returns the Run, with
+        what the log says of the last `run` in its summary, and that file's columns as arrays. Raises CaseError."""
         import numpy as np
 
         out = self.results / self.case
         out.mkdir(parents=True, exist_ok=True)
-        table = out / f"{name}.csv"
+        table, log = out / f"{name}.csv", out / f"{name}.log"
         program = pathlib.Path(os.environ.get("EMBACLE_BUILD", ROOT / "build")) / "bin" / "liggghts-mps"
-        command = [str(program), "-in", str(self.folder / script), "-screen", "none", "-log", "none"]
+        command = [*(MPIRUN + [str(ranks)] if ranks > 1 else []), str(program), "-in", str(self.folder / script),
+                   "-screen", "none", "-log", str(log)]
         for key, value in {**variables, "out": table}.items():
             command += ["-var", key, str(value)]
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
@@ -112,11 +116,15 @@ class Context:
         if done.returncode != 0:
             reason = [line for line in done.stderr.splitlines() if "error:" in line] or [done.stderr.strip()]
             raise CaseError(f"{name}: status {done.returncode}: {reason[0].removeprefix('liggghts-mps: error: ')}")
+        text = log.read_text()
+        loops = re.findall(r"Loop time of (\S+)", text)
+        memory = re.findall(r"Memory usage per processor = (\S+)", text)
+        summary = {"wall_seconds": seconds, "loop_seconds": float(loops[-1]) if loops else 0.0,
+                   "megabytes_per_rank": float(memory[-1]) if memory else 0.0}
         with table.open() as stream:
             names = [column.split("[")[0].strip() for column in stream.readline().split(",")]
             numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
-        run = Run(table, seconds, {"wall_seconds": seconds})
-        return run, dict(zip(names, numbers.T))
+        return Run(table, seconds, summary), dict(zip(names, numbers.T))
 
     def curve(self, panel, label, x, y, reference=False, points=False):
         """A curve of the report's picture. Panel: "title; x axis; y axis" says where it goes."""

@@ -191,7 +191,7 @@ def extremes(context, effort):
                     "model": "floe", "e": 1, "v": v, "young": young, "spheres": 8, "tilt": 30, "other": 0,
                     "z0": low + GAP, "x1": 0, "z1": 0, "dt": dt, "every": 1, "steps": steps})
             except CaseError as error:
-                context.note(f"| {young:.3g} | {v} | stopped: {str(error).removeprefix('extreme: ')} | | | |")
+                context.note(f"| {young:.3g} | {v} | stopped: {str(error).split('in.impact: ')[-1]} | | | |")
                 silent += "too long" not in str(error) and "press into each other" not in str(error)
                 continue
             energy = MASS / 2 * (table["vx"]**2 + table["vy"]**2 + table["vz"]**2) + INERTIA / 2 * table["wy"]**2
