@@ -2,6 +2,7 @@
 
 #include "fix_couple_mps.hpp"
 #include "fix_floe_create.hpp"
+#include "laws/law_styles.hpp"
 #include "stock_access.hpp"
 
 namespace embacle::liggghts {
@@ -18,6 +19,7 @@ LAMMPS_NS::Fix* make(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv) {
 void register_styles(LAMMPS_NS::LAMMPS* lammps) {
   register_fix_style(lammps, "floe/create", &make<FixFloeCreate>);
   register_fix_style(lammps, "couple/mps", &make<FixCoupleMps>);
+  register_law_styles();
 }
 
 }  // namespace embacle::liggghts
