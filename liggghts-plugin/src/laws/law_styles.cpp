@@ -333,6 +333,7 @@ void add_law() {
 template <typename Interface, typename Parent>
 void add_fallback(StyleTable<Interface, Parent>& table) {
   auto& creator = table[{"gran", static_cast<int>(models::GranStyle<>::HASHCODE)}];
+  if (creator == &Fallback<Interface, Parent>::create) return;
   Fallback<Interface, Parent>::stock = creator;
   creator = &Fallback<Interface, Parent>::create;
 }
@@ -348,12 +349,13 @@ void add_fallbacks() {
 namespace embacle::liggghts {
 
 void register_law_styles() {
-  static bool done = false;
-  if (done) return;
-  done = true;
-  laws::add_law<laws::ContactRatio>();
-  laws::add_law<laws::RiverIce>();
-  laws::add_fallbacks();
+  static bool listed = false;
+  if (!listed) {
+    laws::add_law<laws::ContactRatio>();
+    laws::add_law<laws::RiverIce>();
+    listed = true;
+  }
+  laws::add_fallbacks();  // every new instance of LIGGGHTS writes its own fallbacks into the common table
 }
 
 }  // namespace embacle::liggghts
