@@ -93,6 +93,25 @@ class Context:
         summary = json.loads((out / "summary.json").read_text()) if status == 0 else {}
         return Run(out, seconds, summary, status, "\n".join(tail))
 
+    def liggghts(self, name, script, **variables):
+        """Runs a LIGGGHTS script without water, in results/NAME; variables are those of the script. Raises CaseError if it
+        fails."""
+        out = self.results / self.case / name
+        out.mkdir(parents=True, exist_ok=True)
+        programs = pathlib.Path(os.environ.get("EMBACLE_BUILD", ROOT / "build")) / "bin"
+        command = [str(programs / "liggghts-mps"), "-in", str(script), "-log", "none"]
+        for key, value in variables.items():
+            command += ["-var", key, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
+        print(f"  {self.case}/{name} ...", flush=True)
+        start = time.monotonic()
+        with (out / "validate.log").open("w") as log:
+            status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, cwd=out).returncode
+        seconds = time.monotonic() - start
+        if status != 0:
+            tail = (out / "validate.log").read_text().splitlines()[-5:]
+            raise CaseError(f"{name}: the run ended with status {status}:\n    " + "\n    ".join(tail))
+        return Run(out, seconds, {"wall_seconds": seconds, "fluid_ranks": 1})
+
     def curve(self, panel, label, x, y, reference=False, points=False):
         """A curve of the report's picture. Panel: "title; x axis; y axis" says where it goes."""
         x, y = ([float(f"{float(value):.6g}") for value in values] for values in (x, y))
