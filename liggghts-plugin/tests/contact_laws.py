@@ -217,6 +217,20 @@ class Laws(unittest.TestCase):
                 for value, expected in zip(a, b):
                     self.assertAlmostEqual(value, expected, delta=1e-11)
 
+    def test_restart_amid_a_contact_changes_nothing(self):
+        for law in ("contact_ratio", "river_ice"):
+            whole = collision(f"model {law} tangential {law}").replace(
+                "run 20000", "run 3700\nwrite_restart amid.restart\nrun 4300")
+            self.run_script(whole)
+            after = self.last_state()
+            start, end = whole.index("region reg"), whole.index("neighbor")
+            rest = whole[:start] + "read_restart amid.restart\n" + whole[end:whole.index("create_atoms")]
+            rest += whole[whole.index("fix motion"):].replace("run 3700\nwrite_restart amid.restart\n", "")
+            for ranks in (1, 2):
+                self.run_script(rest, ranks=ranks)
+                self.assertNotIn(3600, self.dumps())
+                self.assertEqual(self.last_state(), after)
+
     def test_sliding_sphere_ends_rolling(self):
         """From 1 m/s without spin to 5/7 m/s, in 2 v / (7 mu g) with sharp friction, not before with a smooth one."""
         for law in ("contact_ratio", "river_ice"):

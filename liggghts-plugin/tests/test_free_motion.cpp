@@ -15,7 +15,6 @@ namespace {
 
 using coupling::Mat3;
 using coupling::Quaternion;
-using coupling::SolidBody;
 using coupling::Vec3;
 
 constexpr double mass = 7.2;                // of the box 0.4 x 0.2 x 0.1 m
@@ -56,7 +55,7 @@ Drift tumble(double step, int steps) {
       momentum_before = momentum;
       energy_before = energy;
     }
-    const double time = step * (steps / samples) * sample;
+    const double time = step * steps * sample / samples;
     drift.energy_end = energy / energy_before - 1;
     drift.energy = std::max(drift.energy, std::abs(drift.energy_end));
     drift.momentum = std::max(drift.momentum, (momentum - momentum_before).norm() / momentum_before.norm());
