@@ -6,29 +6,6 @@
 
 namespace embacle::liggghts::laws {
 
-Coefficients contact_ratio_law(const Pair& pair, double overlap) {
-  const double base = pair.modulus * std::sqrt(pair.length * overlap);
-  Coefficients c;
-  c.normal_stiffness = 4.0 / 3 * base;
-  c.normal_damping = pair.damping * std::sqrt(6 * pair.mass * base);
-  c.tangential_stiffness = 2.0 / 7 * c.normal_stiffness;  // 8/21 Y* sqrt(R* overlap)
-  c.tangential_damping = 2.0 / 7 * c.normal_damping;
-  return c;
-}
-
-Coefficients river_ice_law(const Pair& pair, double overlap) {
-  Coefficients c = contact_ratio_law(pair, overlap);
-  // 2/7 k_n sqrt(l0) and 2/7 c_n l0^(1/4), with k_n in N/m^(3/2) and l0 = 2 l_kl, as of equal particles.
-  const Coefficients at_spacing = contact_ratio_law(pair, 2 * pair.length);
-  c.tangential_stiffness = at_spacing.tangential_stiffness;
-  c.tangential_damping = at_spacing.tangential_damping;
-  return c;
-}
-
-double effective_radius(double radius_i, double radius_j) { return radius_i * radius_j / (radius_i + radius_j); }
-
-double effective_spacing(double radius_i, double radius_j) { return 2 * effective_radius(radius_i, radius_j); }
-
 double largest_ratio() { return std::sqrt(10.0) / 3; }
 
 double restitution_of(double ratio) {

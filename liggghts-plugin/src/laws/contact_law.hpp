@@ -16,6 +16,8 @@
 //   slip is summed over the contact
 #pragma once
 
+#include <cmath>
+
 #include "embacle/coupling/types.hpp"
 
 namespace embacle::liggghts::laws {
@@ -39,17 +41,36 @@ struct Coefficients {
 };
 
 /// [T] 4.10, 4.11, 4.23, 4.24: Hertz' force with damping ~ overlap^(1/4); across it 2/7 of both. Overlap [m] >= 0.
-[[nodiscard]] Coefficients contact_ratio_law(const Pair& pair, double overlap);
+[[nodiscard]] inline Coefficients contact_ratio_law(const Pair& pair, double overlap) {
+  const double base = pair.modulus * std::sqrt(pair.length * overlap);
+  Coefficients c;
+  c.normal_stiffness = 4.0 / 3 * base;
+  c.normal_damping = pair.damping * std::sqrt(6 * pair.mass * base);
+  c.tangential_stiffness = 2.0 / 7 * c.normal_stiffness;  // 8/21 Y* sqrt(R* overlap)
+  c.tangential_damping = 2.0 / 7 * c.normal_damping;
+  return c;
+}
 
 /// [P] 19 and 22: the same normal law in its own length; across it a linear spring and dashpot.
-[[nodiscard]] Coefficients river_ice_law(const Pair& pair, double overlap);
+[[nodiscard]] inline Coefficients river_ice_law(const Pair& pair, double overlap) {
+  Coefficients c = contact_ratio_law(pair, overlap);
+  // 2/7 k_n sqrt(l0) and 2/7 c_n l0^(1/4), with k_n in N/m^(3/2) and l0 = 2 l_kl, as of equal particles.
+  const Coefficients at_spacing = contact_ratio_law(pair, 2 * pair.length);
+  c.tangential_stiffness = at_spacing.tangential_stiffness;
+  c.tangential_damping = at_spacing.tangential_damping;
+  return c;
+}
 
 /// R* [m] of two radii ([T] 4.13). With a wall it is the sphere's radius.
-[[nodiscard]] double effective_radius(double radius_i, double radius_j);
+[[nodiscard]] inline double effective_radius(double radius_i, double radius_j) {
+  return radius_i * radius_j / (radius_i + radius_j);
+}
 
 /// l_kl [m] of the diameters of two spheres ([P] 20, where l is the distance of particles). With a wall, which in [P]
 /// is made of particles as large as the sphere, it is the sphere's radius.
-[[nodiscard]] double effective_spacing(double radius_i, double radius_j);
+[[nodiscard]] inline double effective_spacing(double radius_i, double radius_j) {
+  return 2 * effective_radius(radius_i, radius_j);
+}
 
 /// Slip velocity [m/s] of the tanh of [T] 4.17.
 inline constexpr double contact_ratio_slip_velocity = 1.0 / 8;
