@@ -96,35 +96,30 @@ class Context:
         summary = json.loads((out / "summary.json").read_text()) if status == 0 else {}
         return Run(out, seconds, summary, status, "\n".join(tail))
 
-    def solids(self, name, script, variables, ranks=1):
-        """Runs a LIGGGHTS script of the case alone, with variables and `out`, a file that it writes; returns the Run, with
-        what the log says of the last `run` in its summary, and that file's columns as arrays. Raises CaseError."""
-        import numpy as np
-
-        out = self.results / self.case
+    def liggghts(self, name, script, ranks=1, **variables):
+        """Runs a LIGGGHTS script without water, in results/NAME; variables are those of the script. The summary has what
+        the log says of its last `run`. Raises CaseError if it fails."""
+        out = self.results / self.case / name
         out.mkdir(parents=True, exist_ok=True)
-        table, log = out / f"{name}.csv", out / f"{name}.log"
-        program = pathlib.Path(os.environ.get("EMBACLE_BUILD", ROOT / "build")) / "bin" / "liggghts-mps"
-        command = [*(MPIRUN + [str(ranks)] if ranks > 1 else []), str(program), "-in", str(self.folder / script),
-                   "-screen", "none", "-log", str(log)]
-        for key, value in {**variables, "out": table}.items():
-            command += ["-var", key, str(value)]
+        programs = pathlib.Path(os.environ.get("EMBACLE_BUILD", ROOT / "build")) / "bin"
+        command = [*([*MPIRUN, str(ranks)] if ranks > 1 else []), str(programs / "liggghts-mps"), "-in", str(script)]
+        for key, value in variables.items():
+            command += ["-var", key, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
         start = time.monotonic()
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, stdin=subprocess.DEVNULL)
+        with (out / "validate.log").open("w") as log:
+            status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, cwd=out,
+                                    env=environment).returncode
         seconds = time.monotonic() - start
-        if done.returncode != 0:
-            reason = [line for line in done.stderr.splitlines() if "error:" in line] or [done.stderr.strip()]
-            raise CaseError(f"{name}: status {done.returncode}: {reason[0].removeprefix('liggghts-mps: error: ')}")
-        text = log.read_text()
-        loops = re.findall(r"Loop time of (\S+)", text)
-        memory = re.findall(r"Memory usage per processor = (\S+)", text)
-        summary = {"wall_seconds": seconds, "loop_seconds": float(loops[-1]) if loops else 0.0,
-                   "megabytes_per_rank": float(memory[-1]) if memory else 0.0}
-        with table.open() as stream:
-            names = [column.split("[")[0].strip() for column in stream.readline().split(",")]
-            numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
-        return Run(table, seconds, summary), dict(zip(names, numbers.T))
+        text = (out / "validate.log").read_text()
+        if status != 0:
+            reasons = [line for line in text.splitlines() if "error:" in line] or text.splitlines()[-5:]
+            raise CaseError(f"{name}: the run ended with status {status}: " + "\n    ".join(reasons))
+        summary = {"wall_seconds": seconds, "fluid_ranks": ranks}
+        for key, pattern in (("loop_seconds", r"Loop time of (\S+)"), ("megabytes", r"processor = (\S+) Mbytes")):
+            found = re.findall(pattern, text)
+            summary[key] = float(found[-1]) if found else 0.0
+        return Run(out, seconds, summary)
 
     def curve(self, panel, label, x, y, reference=False, points=False):
         """A curve of the report's picture. Panel: "title; x axis; y axis" says where it goes."""

@@ -4,6 +4,7 @@
 #include "fix_couple_mps.hpp"
 #include "fix_floe_create.hpp"
 #include "fix_floe_record.hpp"
+#include "laws/law_styles.hpp"
 #include "stock_access.hpp"
 
 namespace embacle::liggghts {
@@ -22,6 +23,7 @@ void register_styles(LAMMPS_NS::LAMMPS* lammps) {
   register_fix_style(lammps, "floe/record", &make<FixFloeRecord>);
   register_fix_style(lammps, "couple/mps", &make<FixCoupleMps>);
   register_floe_styles(lammps);
+  register_law_styles();
 }
 
 }  // namespace embacle::liggghts

@@ -7,7 +7,7 @@ class LAMMPS;
 
 namespace embacle::liggghts {
 
-/// Adds fix floe/create and fix couple/mps to `lammps`. Call before any script line is read.
+/// Adds fix floe/create, fix couple/mps and the contact laws to `lammps`. Call before any script line is read.
 void register_styles(LAMMPS_NS::LAMMPS* lammps);
 
 }  // namespace embacle::liggghts

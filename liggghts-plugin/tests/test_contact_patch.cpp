@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "contact/contact_law.hpp"
+#include "contact/floe_law.hpp"
 #include "contact/near_pairs.hpp"
 
 namespace embacle::liggghts {

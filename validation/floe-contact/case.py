@@ -22,6 +22,12 @@ EFFORTS = {
 }
 
 
+def solids(context, name, script, **variables):
+    """Runs a script of this folder; the Run, and what it recorded of the bodies by column."""
+    run = context.liggghts(name, context.folder / script, **variables)
+    return run, {key: np.array(values) for key, values in run.table("bodies.csv").items()}
+
+
 class Impact:
     """A box falls with v on the floor, or meets an equal one shifted by (shift, shift) with the relative velocity v."""
 
@@ -30,10 +36,10 @@ class Impact:
         low = EDGE / 2 * np.sin(angle) + HEIGHT / 2 * np.cos(angle)
         every = max(1, STEPS[tilt] * patience // 2000)
         dt = 2e-6 * (0.05 / v if young is None else np.sqrt(5e8 / young))
-        self.run, table = context.solids(name, "in.impact", {
-            "model": model, "e": e, "v": v, "young": 5e8 * (v / 0.05) ** 2 if young is None else young,
-            "spheres": spheres, "tilt": tilt, "other": int(other), "z0": low + GAP, "x1": shift, "z1": -HEIGHT / 2,
-            "dt": dt, "every": every, "steps": STEPS[tilt] * patience})
+        self.run, table = solids(context, name, "in.impact",
+            model=model, e=e, v=v, young=5e8 * (v / 0.05) ** 2 if young is None else young,
+            spheres=spheres, tilt=tilt, other=int(other), z0=low + GAP, x1=shift, z1=-HEIGHT / 2,
+            dt=dt, every=every, steps=STEPS[tilt] * patience)
         bodies = [{key: values[table["tag"] == tag] for key, values in table.items()} for tag in sorted(set(table["tag"]))]
         first = bodies[0]
         arm = EDGE / 2 * np.cos(angle) - HEIGHT / 2 * np.sin(angle) if tilt else shift / 2
@@ -118,8 +124,8 @@ def rests(context, effort):
     for name, places, seconds in cases:
         dt = 2e-5
         floes = write_floes(context, name.replace(" ", "-"), places)
-        run, table = context.solids(name.replace(" ", "-"), "in.rest",
-                                    {"dt": dt, "e": 0.3, "floes": floes, "every": 2500, "steps": round(seconds / dt)})
+        run, table = solids(context, name.replace(" ", "-"), "in.rest", dt=dt, e=0.3, floes=floes, every=2500,
+                            steps=round(seconds / dt))
         bodies = len(places)
         speed = np.sqrt(table["vx"]**2 + table["vy"]**2 + table["vz"]**2).reshape(-1, bodies)
         turning = EDGE / np.sqrt(2) * np.sqrt(table["wx"]**2 + table["wy"]**2 + table["wz"]**2).reshape(-1, bodies)
@@ -143,9 +149,9 @@ def friction(context, effort):
         for spheres in effort["spheres"]:
             for angle in (15, 25):
                 dt, steps = 2e-5, 25000
-                run, table = context.solids("slide", "in.slide", {
-                    "model": "floe", "dt": dt, "angle": angle, "other": other, "spheres": spheres, "slab": 300,
-                    "z0": 0.05, "every": 250, "steps": steps})
+                run, table = solids(context, "slide", "in.slide",
+                    model="floe", dt=dt, angle=angle, other=other, spheres=spheres, slab=300,
+                    z0=0.05, every=250, steps=steps)
                 box = {key: values[table["tag"] == table["tag"].max()] for key, values in table.items()}
                 late = box["t"] >= 0.25
                 if angle == 15:
@@ -187,9 +193,9 @@ def extremes(context, effort):
             angle = np.radians(30)
             low = EDGE / 2 * np.sin(angle) + HEIGHT / 2 * np.cos(angle)
             try:
-                run, table = context.solids("extreme", "in.impact", {
-                    "model": "floe", "e": 1, "v": v, "young": young, "spheres": 8, "tilt": 30, "other": 0,
-                    "z0": low + GAP, "x1": 0, "z1": 0, "dt": dt, "every": 1, "steps": steps})
+                run, table = solids(context, "extreme", "in.impact",
+                    model="floe", e=1, v=v, young=young, spheres=8, tilt=30, other=0,
+                    z0=low + GAP, x1=0, z1=0, dt=dt, every=1, steps=steps)
             except CaseError as error:
                 context.note(f"| {young:.3g} | {v} | stopped: {str(error).split('in.impact: ')[-1]} | | | |")
                 silent += "too long" not in str(error) and "press into each other" not in str(error)

@@ -9,7 +9,7 @@ from validate import Bar
 TITLE = "cost of a field of 10 000 floes"
 ROW = 100
 REPEATS = {"quick": 1, "normal": 3, "full": 5}
-STEPS = {"floe": 100, "hertz tangential history": 100}
+STEPS = 100
 
 
 def write_field(context, name, gap):
@@ -38,11 +38,11 @@ def measure(context):
                 times = {1: [], 2: []}
                 for _ in range(REPEATS[context.effort]):
                     for ranks, values in times.items():
-                        run, table = context.solids("field", "in.field", {
-                            "model": model, "floes": floes, "spheres": spheres, "steps": STEPS[model]}, ranks)
-                        values.append(run.summary["loop_seconds"] / STEPS[model])
+                        run = context.liggghts("field", context.folder / "in.field", ranks, model=model, floes=floes,
+                                               spheres=spheres, steps=STEPS)
+                        values.append(run.summary["loop_seconds"] / STEPS)
                         if ranks == 1:
-                            memory = run.summary["megabytes_per_rank"]
+                            memory = run.summary["megabytes"]
                 key = (field, model.split()[0], spheres)
                 cost[key] = statistics.median(times[1])
                 speedup[key] = statistics.median(a / b for a, b in zip(times[1], times[2]))

@@ -31,8 +31,8 @@ bool Polygon::cut(const HalfSpace& half_space) {
   for (std::size_t c = 0; c < count; ++c) {
     const std::size_t before = c == 0 ? count - 1 : c - 1;
     if ((above_[c] > 0) != (above_[before] > 0)) {
-      spare_.push_back(corners_[before] +
-                       (corners_[c] - corners_[before]) * (above_[before] / (above_[before] - above_[c])));
+      const double share = above_[before] / (above_[before] - above_[c]);
+      spare_.emplace_back(corners_[before] + share * (corners_[c] - corners_[before]));
     }
     if (above_[c] <= 0) spare_.push_back(corners_[c]);
   }

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "bodies.hpp"
-#include "contact/contact_law.hpp"
+#include "contact/floe_law.hpp"
 
 namespace embacle::liggghts {
 

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstdio>
 #include <cstring>
+#include <string>
+#include <utility>
 // The order of these headers follows LIGGGHTS' own needs.
 #include <lammps.h>
 
@@ -157,7 +161,7 @@ Fix* make_contacts(LAMMPS* lammps, int argc, char** argv) { return new FixFloeCo
 /// As LIGGGHTS chooses, but what model floe does not know is refused: LIGGGHTS would silently take no contacts at all.
 std::int64_t select(int& count, char**& words, Custom_contact_models custom) {
   const bool floe = count > 1 && std::string(words[0]) == "model" && std::string(words[1]) == "floe";
-  const std::int64_t hash = LIGGGHTS::ContactModels::Factory::select(count, words, custom);
+  const std::int64_t hash = LIGGGHTS::ContactModels::Factory::select(count, words, std::move(custom));
   if (floe && hash != floe_hash) {
     throw InputError(
         "model floe: brings its own friction (coefficientFriction) and cannot be combined with stock tangential, "

@@ -1,9 +1,7 @@
 // How LIGGGHTS scripts reach the contacts of model floe.
 #pragma once
 
-namespace LAMMPS_NS {
-class LAMMPS;
-}
+#include "stock.hpp"
 
 namespace embacle::liggghts {
 

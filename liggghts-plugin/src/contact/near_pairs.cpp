@@ -43,6 +43,7 @@ std::vector<std::pair<int, int>> near_pairs(const std::vector<Vec3>& centres, co
   }
   for (std::size_t i = 0; i < std::min(first, centres.size()); ++i) {
     std::vector<std::int64_t> around;
+    around.reserve(27);
     for (int n = 0; n < 27; ++n) {
       around.push_back(number(wrapped({of[i][0] + n % 3 - 1, of[i][1] + n / 3 % 3 - 1, of[i][2] + n / 9 - 1})));
     }

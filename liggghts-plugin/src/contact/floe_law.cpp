@@ -1,4 +1,4 @@
-#include "contact/contact_law.hpp"
+#include "contact/floe_law.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,1 @@
+// Which stock rolling models laws/law_styles.cpp combines with; read several times, so without a guard.
