@@ -457,9 +457,11 @@ void Simulation::renew_lists(double time) {
   extremes_.imbalance_met = std::max({extremes_.imbalance_met, extremes_.imbalance, met});
 }
 
-/// Where the last decomposition could do no better, as with few particles a rank, another would not either.
+/// Where the last decomposition did not get below the limit, as with few particles a rank, only worse calls for
+/// another.
 bool Simulation::uneven() const {
-  return imbalance_ > std::max(scene_.numerics.rebalance_imbalance, evened_imbalance_ + 0.05);
+  const double limit = scene_.numerics.rebalance_imbalance;
+  return imbalance_ > (evened_imbalance_ > limit ? evened_imbalance_ + 0.05 : limit);
 }
 
 /// Of the work of the ranks: what their sweeps go through.
