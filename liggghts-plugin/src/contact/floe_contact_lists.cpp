@@ -176,7 +176,7 @@ void FloeContacts::build_lists() {
     if (j >= static_cast<int>(owned_)) j = place[j - owned_];
     if (bodies_[i].tag > bodies_[j].tag) std::swap(i, j);
     const auto known = memories.find({bodies_[i].tag, bodies_[j].tag, 0});
-    pairs_.push_back({i, j, known == memories.end() ? ContactMemory{} : known->second});
+    pairs_.push_back({i, j, known == memories.end() ? ContactMemory{} : known->second, 0});
   }
   std::sort(pairs_.begin(), pairs_.end(), [this](const Pair& a, const Pair& b) {
     return std::pair(bodies_[a.first].tag, bodies_[a.second].tag) <

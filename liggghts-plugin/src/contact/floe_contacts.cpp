@@ -177,6 +177,7 @@ void FloeContacts::refresh() {
   for (Body& body : bodies_) {
     const Material& of = materials_[body.shape];
     body.axes = body.orientation.toRotationMatrix();
+    body.fastest = body.motion.velocity.norm() + body.motion.angular_velocity.norm() * of.shape.reach;
     body.motion.inverse_mass = 1 / of.mass;
     body.motion.inverse_inertia = body.axes * of.inertia.cwiseInverse().asDiagonal() * body.axes.transpose();
   }
@@ -256,6 +257,9 @@ void FloeContacts::check(const Patch& patch, double inverse_mass, double strengt
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
   const Body& first = bodies_[pair.first];
   const Body& second = bodies_[pair.second];
+  // The velocities are those of the step that led here; a tenth more for the turning's second order.
+  pair.clear -= 1.1 * (first.fastest + second.fastest) * lammps_->update->dt;
+  if (advance && pair.clear > 0) return;
   const double reach = materials_[first.shape].shape.reach + materials_[second.shape].shape.reach;
   // Everything relative to the first body's centre.
   const Vec3 apart = nearest_image(second.motion.position - first.motion.position);
@@ -265,6 +269,9 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
     b.position = apart;
     const double gap = separation(a, b);
     if (gap < 0) press(a, b, -gap, patch_);
+    pair.clear = gap;
+  } else {
+    pair.clear = apart.norm() - reach;
   }
   if (patch_.empty()) {
     pair.memory.touching = 0;
@@ -382,9 +389,6 @@ void FloeContacts::set_up() {
 FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
   update();
   FloeContactOutlook result;
-  const auto fastest = [this](const Body& body) {
-    return body.motion.velocity.norm() + body.motion.angular_velocity.norm() * materials_[body.shape].shape.reach;
-  };
   const auto consider = [&](double gap, double speed, double stiffness, double inverse_mass) {
     if (gap > speed * window + acceleration * window * window) return;
     result.may_touch = true;
@@ -400,9 +404,9 @@ FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
     const double gap = std::max(shape_b.position.norm() - reach, separation(shape_a, shape_b));
     // Rotation and translation are bounded apart: the relative velocity of the centres and each body's own turning.
     const double speed =
-        std::min(fastest(first) + fastest(second), (second.motion.velocity - first.motion.velocity).norm() +
-                                                       first.motion.angular_velocity.norm() * a.shape.reach +
-                                                       second.motion.angular_velocity.norm() * b.shape.reach);
+        std::min(first.fastest + second.fastest, (second.motion.velocity - first.motion.velocity).norm() +
+                                                     first.motion.angular_velocity.norm() * a.shape.reach +
+                                                     second.motion.angular_velocity.norm() * b.shape.reach);
     consider(gap, speed, a.hardness * b.hardness / (a.hardness + b.hardness) * std::min(a.face, b.face),
              1 / a.mass + 1 / b.mass);
   }
@@ -415,7 +419,7 @@ FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
     if (!wall.mesh) {
       const double height = body.motion.position[wall.axis] - wall.place;
       const Vec3 normal = height < 0 ? Vec3(-Vec3::Unit(wall.axis)) : Vec3(Vec3::Unit(wall.axis));
-      consider(separation_from_plane(shape, -std::abs(height) * normal, normal), fastest(body) + wall.velocity.norm(),
+      consider(separation_from_plane(shape, -std::abs(height) * normal, normal), body.fastest + wall.velocity.norm(),
                stiffness, 1 / of.mass);
       continue;
     }
@@ -427,7 +431,7 @@ FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
       for (int k = 0; velocity && k < 3; ++k) {
         speed = std::max(speed, Eigen::Map<Vec3>((*velocity)(t)[k]).norm());
       }
-      consider(separation_from_triangle(shape, triangle), fastest(body) + speed, stiffness, 1 / of.mass);
+      consider(separation_from_triangle(shape, triangle), body.fastest + speed, stiffness, 1 / of.mass);
     }
   }
   return result;

@@ -56,6 +56,7 @@ class FloeContacts {
     coupling::Quaternion orientation = coupling::Quaternion::Identity();
     coupling::Mat3 axes = coupling::Mat3::Identity();
     RigidMotion motion;
+    double fastest = 0;  ///< bound of the speed of its places [m/s]
   };
   /// What a shape brings into contacts.
   struct Material {
@@ -77,6 +78,7 @@ class FloeContacts {
   struct Pair {
     int first, second;
     ContactMemory memory;
+    double clear = 0;  ///< way [m] that the bodies must still go before they can touch; 0: not known
   };
   /// Contacts of a body with a mesh are one for each of six directions of the triangles.
   struct WallPair {
