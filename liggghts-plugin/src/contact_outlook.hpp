@@ -28,7 +28,8 @@ double hertz_contact_time(double mass, double radius, double modulus, double spe
 /// sphere and primitive wall, and every listed sphere and mesh triangle, the gap exceeds the largest relative motion
 /// within the window (present relative speed and the largest acceleration, bounded over all bodies); pairs outside the
 /// list are at least the unused rest of the skin apart. Otherwise the window is divided into sub-steps of at most
-/// contact time / resolution, the contact time being the shortest among the pairs that can touch.
+/// contact time / resolution, the contact time being the shortest among the pairs that can touch. Pairs and walls of
+/// model floe are judged by FloeContacts::outlook instead.
 class ContactOutlook {
  public:
   ContactOutlook(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere, SubStepRule rule);
