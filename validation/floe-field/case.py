@@ -34,7 +34,7 @@ def measure(context):
     cost, speedup = {}, {}
     for field, floes in fields.items():
         for model in ("floe", "hertz tangential history"):
-            for spheres in (8, 36):
+            for spheres in (8, 36, 125):
                 times = {1: [], 2: []}
                 for _ in range(REPEATS[context.effort]):
                     for ranks, values in times.items():

@@ -8,47 +8,6 @@ namespace embacle::liggghts {
 
 using coupling::Vec3;
 
-void Polygon::set_square(const Vec3& centre, const Vec3& unit_normal, double reach) {
-  const Vec3 along = unit_normal.unitOrthogonal() * reach;
-  const Vec3 across = unit_normal.cross(along);
-  corners_ = {centre - along - across, centre + along - across, centre + along + across, centre - along + across};
-}
-
-bool Polygon::cut(const HalfSpace& half_space) {
-  const std::size_t count = corners_.size();
-  above_.resize(count);
-  std::size_t outside = 0;
-  for (std::size_t c = 0; c < count; ++c) {
-    above_[c] = half_space.normal.dot(corners_[c]) - half_space.offset;
-    outside += above_[c] > 0 ? 1 : 0;
-  }
-  if (outside == 0) return count > 0;
-  if (outside == count) {
-    corners_.clear();
-    return false;
-  }
-  spare_.clear();
-  for (std::size_t c = 0; c < count; ++c) {
-    const std::size_t before = c == 0 ? count - 1 : c - 1;
-    if ((above_[c] > 0) != (above_[before] > 0)) {
-      const double share = above_[before] / (above_[before] - above_[c]);
-      spare_.emplace_back(corners_[before] + share * (corners_[c] - corners_[before]));
-    }
-    if (above_[c] <= 0) spare_.push_back(corners_[c]);
-  }
-  corners_.swap(spare_);
-  if (corners_.size() < 3) corners_.clear();
-  return !corners_.empty();
-}
-
-Vec3 Polygon::area() const {
-  Vec3 twice = Vec3::Zero();
-  for (std::size_t c = 2; c < corners_.size(); ++c) {
-    twice += (corners_[c - 1] - corners_[0]).cross(corners_[c] - corners_[0]);
-  }
-  return 0.5 * twice;
-}
-
 namespace {
 
 /// The outer half-spaces of a shape, each once.
@@ -100,13 +59,13 @@ std::vector<HalfSpace> outer_faces(const coupling::Shape& shape, const std::stri
 }
 
 /// What is left of the plane of `bound` inside all other half-spaces of a region.
-Polygon piece_of(const std::vector<HalfSpace>& region, std::size_t bound, double reach) {
-  Polygon piece;
+FlatPolygon piece_of(const std::vector<HalfSpace>& region, std::size_t bound, double reach) {
+  FlatPolygon piece;
   const double length = region[bound].normal.norm();
-  const Vec3 normal = region[bound].normal / length;
-  piece.set_square(normal * (region[bound].offset / length), normal, 4 * reach);
-  for (std::size_t other = 0; other < region.size(); ++other) {
-    if (other != bound && !piece.cut(region[other])) break;
+  const Vec3 far = Vec3::Constant(2 * reach);
+  bool left = piece.set(region[bound].normal / length, region[bound].offset / length, -far, far);
+  for (std::size_t other = 0; left && other < region.size(); ++other) {
+    if (other != bound) left = piece.cut(region[other]);
   }
   return piece;
 }
@@ -126,36 +85,32 @@ ConvexShape convex_shape(const coupling::Shape& shape, const std::string& where)
     }
     ConvexShape::Face face;
     face.outside = outer[f];
-    std::vector<Vec3> corners;
     for (std::size_t b = 0; b < bounds.size(); ++b) {
-      const Polygon piece = piece_of(bounds, b, result.reach);
-      const double area = piece.area().norm();
+      const FlatPolygon piece = piece_of(bounds, b, result.reach);
+      const double area = piece.area();
       if (area <= negligible) continue;
       face.region.push_back(bounds[b]);
-      corners.insert(corners.end(), piece.corners().begin(), piece.corners().end());
-      if (b == 0) {
-        face.area = area;
-        for (const Vec3& corner : piece.corners()) {
-          const auto known = std::find_if(result.corners.begin(), result.corners.end(), [&](const Vec3& other) {
-            return (other - corner).norm() < 1e-9 * result.reach;
-          });
-          face.corners.push_back(static_cast<int>(known - result.corners.begin()));
-          if (known == result.corners.end()) result.corners.push_back(corner);
-        }
+      for (std::size_t c = 0; c < piece.size(); ++c) {
+        const Vec3 corner = piece.place(piece.corner(c));
+        result.thickness = std::max(result.thickness, 2 * (face.outside.offset - face.outside.normal.dot(corner)));
+        if (b > 0) continue;
+        const auto known = std::find_if(result.corners.begin(), result.corners.end(), [&](const Vec3& other) {
+          return (other - corner).norm() < 1e-9 * result.reach;
+        });
+        face.corners.push_back(static_cast<int>(known - result.corners.begin()));
+        if (known == result.corners.end()) result.corners.push_back(corner);
       }
+      if (b == 0) face.area = area;
     }
     if (face.area == 0) continue;  // touches the body at an edge or corner only
-    Vec3 lower = corners[0], upper = corners[0];
-    for (const Vec3& corner : corners) {
-      lower = lower.cwiseMin(corner);
-      upper = upper.cwiseMax(corner);
-      result.thickness = std::max(result.thickness, 2 * (face.outside.offset - face.outside.normal.dot(corner)));
-    }
-    face.centre = 0.5 * (lower + upper);
-    for (const Vec3& corner : corners) face.reach = std::max(face.reach, (corner - face.centre).norm());
     result.faces.push_back(std::move(face));
   }
-  for (const Vec3& corner : result.corners) result.reach = std::max(result.reach, corner.norm());
+  result.box = {result.corners[0], result.corners[0]};
+  for (const Vec3& corner : result.corners) {
+    result.box.lower = result.box.lower.cwiseMin(corner);
+    result.box.upper = result.box.upper.cwiseMax(corner);
+    result.reach = std::max(result.reach, corner.norm());
+  }
   return result;
 }
 

@@ -175,12 +175,19 @@ void FloeContacts::refresh() {
   }
   share_states();
   for (Body& body : bodies_) {
-    const Material& of = materials_[body.shape];
-    body.axes = body.orientation.toRotationMatrix();
-    body.fastest = body.motion.velocity.norm() + body.motion.angular_velocity.norm() * of.shape.reach;
-    body.motion.inverse_mass = 1 / of.mass;
-    body.motion.inverse_inertia = body.axes * of.inertia.cwiseInverse().asDiagonal() * body.axes.transpose();
+    const double reach = materials_[body.shape].shape.reach;
+    body.fastest = body.motion.velocity.norm() + body.motion.angular_velocity.norm() * reach;
+    body.turned = false;
   }
+}
+
+void FloeContacts::turn(Body& body) const {
+  if (body.turned) return;
+  const Material& of = materials_[body.shape];
+  body.axes = body.orientation.toRotationMatrix();
+  body.motion.inverse_mass = 1 / of.mass;
+  body.motion.inverse_inertia = body.axes * of.inertia.cwiseInverse().asDiagonal() * body.axes.transpose();
+  body.turned = true;
 }
 
 void FloeContacts::share_states() {
@@ -217,7 +224,8 @@ void FloeContacts::share_states() {
   }
 }
 
-PosedShape FloeContacts::posed(const Body& body, const Vec3& origin) const {
+PosedShape FloeContacts::posed(Body& body, const Vec3& origin) const {
+  turn(body);
   const Material& of = materials_[body.shape];
   return {&of.shape, body.axes, body.motion.position - origin, of.hardness};
 }
@@ -234,8 +242,7 @@ void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) 
 
 void FloeContacts::check(const Patch& patch, double inverse_mass, double strength, BodyTag body, BodyTag other) const {
   const double frequency = std::sqrt(patch.stiffness * inverse_mass), step = lammps_->update->dt;
-  double pressure = 0;
-  for (const auto& place : patch.places) pressure = std::max(pressure, place.pressure);
+  const double pressure = patch.highest;
   constexpr double coarsest = 0.5;  // six steps a contact; beyond 2 the integration explodes
   constexpr double deepest = 0.8;   // of the way to the middle of a body, beyond which it is pushed out at the back
   if (step * frequency <= coarsest && pressure <= deepest * strength) return;
@@ -255,8 +262,8 @@ void FloeContacts::check(const Patch& patch, double inverse_mass, double strengt
 }
 
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
-  const Body& first = bodies_[pair.first];
-  const Body& second = bodies_[pair.second];
+  Body& first = bodies_[pair.first];
+  Body& second = bodies_[pair.second];
   // The velocities are those of the step that led here; a tenth more for the turning's second order.
   pair.clear -= 1.1 * (first.fastest + second.fastest) * lammps_->update->dt;
   if (advance && pair.clear > 0) return;
@@ -290,7 +297,7 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
 }
 
 void FloeContacts::compute_wall(WallPair& pair, bool advance) {
-  const Body& body = bodies_[pair.body];
+  Body& body = bodies_[pair.body];
   const Wall& wall = walls_[pair.wall];
   const int type = materials_[body.shape].atom_type;
   PosedShape shape = posed(body, body.motion.position);
@@ -340,7 +347,7 @@ void FloeContacts::press_mesh(WallPair& pair, const PosedShape& shape, std::arra
     press_triangle(shape, triangle, normal, patch);
     if (!velocity) continue;
     double weight = 0;
-    for (std::size_t p = before; p < patch.places.size(); ++p) weight += patch.places[p].pressure;
+    for (std::size_t p = before; p < patch.places.size(); ++p) weight += patch.places[p].size;
     double** nodes = (*velocity)(t);
     const Vec3 mean = (Eigen::Map<Vec3>(nodes[0]) + Eigen::Map<Vec3>(nodes[1]) + Eigen::Map<Vec3>(nodes[2])) / 3;
     motions[direction].velocity += weight * mean;
@@ -395,8 +402,8 @@ FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
     result.contact_time = std::min(result.contact_time, std::numbers::pi / std::sqrt(stiffness * inverse_mass));
   };
   for (const Pair& pair : pairs_) {
-    const Body& first = bodies_[pair.first];
-    const Body& second = bodies_[pair.second];
+    Body& first = bodies_[pair.first];
+    Body& second = bodies_[pair.second];
     const Material &a = materials_[first.shape], &b = materials_[second.shape];
     PosedShape shape_a = posed(first, first.motion.position), shape_b = posed(second, first.motion.position);
     shape_b.position = nearest_image(shape_b.position);
@@ -411,7 +418,7 @@ FloeContactOutlook FloeContacts::outlook(double window, double acceleration) {
              1 / a.mass + 1 / b.mass);
   }
   for (const WallPair& pair : wall_pairs_) {
-    const Body& body = bodies_[pair.body];
+    Body& body = bodies_[pair.body];
     const Wall& wall = walls_[pair.wall];
     const Material& of = materials_[body.shape];
     const double stiffness = of.hardness * wall_share(of.atom_type, wall.atom_type) * of.face;

@@ -54,6 +54,7 @@ class FloeContacts {
     int shape = 0, owner = 0;
     int local = -1;  ///< index in fix multisphere; -1: owned by another rank
     coupling::Quaternion orientation = coupling::Quaternion::Identity();
+    bool turned = false;  ///< whether axes, inverse mass and inertia are up to date
     coupling::Mat3 axes = coupling::Mat3::Identity();
     RigidMotion motion;
     double fastest = 0;  ///< bound of the speed of its places [m/s]
@@ -97,7 +98,9 @@ class FloeContacts {
   void refresh();
   void find_wall_pairs(double margin);
   void collect(std::map<Key, ContactMemory>& memories) const;
-  [[nodiscard]] PosedShape posed(const Body& body, const coupling::Vec3& origin) const;
+  /// Brings what follows from the orientation up to date; only bodies that are near others need it.
+  void turn(Body& body) const;
+  [[nodiscard]] PosedShape posed(Body& body, const coupling::Vec3& origin) const;
   [[nodiscard]] coupling::Vec3 nearest_image(coupling::Vec3 difference) const;
   [[nodiscard]] const ContactMaterial& material(int first_type, int second_type) const {
     return contact_materials_[first_type - 1][second_type - 1];

@@ -44,10 +44,9 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
   Vec3 elastic = Vec3::Zero(), centre = Vec3::Zero();
   double weight = 0;
   for (const auto& place : patch.places) {
-    const double share = place.pressure * place.area.norm();
-    elastic += place.pressure * place.area;
-    centre += share * place.position;
-    weight += share;
+    elastic += place.force;
+    centre += place.size * place.position;
+    weight += place.size;
   }
   if (weight <= 0) return load;
   centre /= weight;
@@ -81,10 +80,10 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
   double lever = 0;
   for (const auto& place : patch.places) {
     const double closing = approach + turning.dot(place.position - centre);
-    const Vec3 force = (place.pressure * std::max(0.0, 1 + damping * closing)) * place.area;
+    const Vec3 force = std::max(0.0, 1 + damping * closing) * place.force;
     load.force += force;
     load.torque += place.position.cross(force);
-    lever += place.pressure * place.area.norm() * (place.position - centre).norm();
+    lever += place.size * (place.position - centre).norm();
   }
   lever /= weight;
 

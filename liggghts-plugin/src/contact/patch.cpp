@@ -14,69 +14,98 @@ struct PressureField {
   Vec3 slope;
   double value;
   double operator()(const Vec3& x) const { return slope.dot(x) + value; }
-  /// How much larger this is than the other.
-  [[nodiscard]] double above(const PressureField& other, const Vec3& x) const { return (*this)(x)-other(x); }
 };
 
-PressureField pressure_field(const PosedShape& body, const ConvexShape::Face& face) {
-  const HalfSpace outside = body.to_global(face.outside);
-  return {-body.hardness * outside.normal, body.hardness * outside.offset};
+/// In the body's own frame.
+PressureField pressure_field(double hardness, const HalfSpace& outside) {
+  return {-hardness * outside.normal, hardness * outside.offset};
 }
 
-/// Adds a polygon with a linear pressure: the middles of the edges of its triangles integrate quadratic functions
-/// exactly, so also moments of the pressure. The side of the corners' sense does not matter.
-void add_polygon(const Polygon& polygon, const Vec3& normal, const PressureField& pressure, double spring,
-                 Patch& patch) {
-  const auto& corners = polygon.corners();
-  for (std::size_t c = 2; c < corners.size(); ++c) {
-    const double area = 0.5 * (corners[c - 1] - corners[0]).cross(corners[c] - corners[0]).norm();
-    if (area == 0) continue;
-    patch.stiffness += spring * area;
-    const Vec3 share = normal * (area / 3);
-    for (const Vec3& middle : {Vec3(0.5 * (corners[0] + corners[c - 1])), Vec3(0.5 * (corners[c - 1] + corners[c])),
-                               Vec3(0.5 * (corners[c] + corners[0]))}) {
-      patch.places.push_back({middle, share, std::max(0.0, pressure(middle))});
-    }
+/// Adds a polygon with a linear pressure. The middles of the edges of its triangles integrate quadratic functions
+/// exactly, so also moments of the pressure; triangles side by side share one. The polygon, `pressure` and the unit
+/// normal towards the first body are in the frame of `pose`.
+void add_polygon(const PosedShape& pose, const FlatPolygon& polygon, const Vec3& normal, const PressureField& pressure,
+                 double spring, Patch& patch) {
+  const Vec3 origin = pose.to_global(polygon.origin());
+  const Vec3 along = pose.axes * polygon.along(), across = pose.axes * polygon.across();
+  const Vec3 direction = pose.axes * normal;
+  const double at_origin = pressure(polygon.origin());
+  const double per_s = pressure.slope.dot(polygon.along()), per_t = pressure.slope.dot(polygon.across());
+  const auto add_middle = [&](std::size_t a, std::size_t b, double area) {
+    const double s = 0.5 * (polygon.corner(a).s + polygon.corner(b).s);
+    const double t = 0.5 * (polygon.corner(a).t + polygon.corner(b).t);
+    const double here = std::max(0.0, at_origin + s * per_s + t * per_t);
+    const double size = here * area;
+    patch.highest = std::max(patch.highest, here);
+    patch.places.push_back({origin + s * along + t * across, size * direction, size});
+  };
+  double before = 0, whole = 0;
+  for (std::size_t c = 2; c < polygon.size(); ++c) {
+    const double area = polygon.area(c);
+    add_middle(0, c - 1, (before + area) / 3);
+    add_middle(c - 1, c, area / 3);
+    before = area;
+    whole += area;
   }
+  add_middle(0, polygon.size() - 1, before / 3);
+  patch.stiffness += spring * whole;
 }
 
-/// The box around a face's corners, which are given, and `depth` [m] around it.
-coupling::Box face_box(const ConvexShape::Face& face, const std::vector<Vec3>& corners, double depth) {
-  coupling::Box box{corners[face.corners[0]], corners[face.corners[0]]};
-  for (const int c : face.corners) {
-    box.lower = box.lower.cwiseMin(corners[c]);
-    box.upper = box.upper.cwiseMax(corners[c]);
-  }
-  box.lower.array() -= depth;
-  box.upper.array() += depth;
-  return box;
-}
-
-bool overlap(const coupling::Box& a, const coupling::Box& b) {
-  return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
-}
+/// A box by its middle and half its edges.
+struct MiddleBox {
+  Vec3 centre, half;
+  explicit MiddleBox(const coupling::Box& box) : centre(0.5 * (box.lower + box.upper)), half(box.upper - centre) {}
+};
 
 /// A face with what the search for patches needs of it, in the frame of the first body.
 struct NearFace {
-  const ConvexShape::Face* face;
   coupling::Box box;  ///< around the part of its region that the overlap may hold
   PressureField pressure;
-  std::vector<HalfSpace> region;
+  std::size_t begin, end;  ///< of its bounds that cut the box
 };
 
-/// The faces of `body` whose regions may take part; `corners`: of the body in the frame, `around`: the other body's
-/// box.
-void near_faces(const PosedShape& body, const std::vector<Vec3>& corners, double depth, const coupling::Box& around,
-                std::vector<NearFace>& faces) {
-  faces.clear();
-  for (const auto& face : body.shape->faces) {
-    const coupling::Box box = face_box(face, corners, depth);
-    if (!overlap(box, around)) continue;
-    NearFace near{&face, box, pressure_field(body, face), {}};
-    near.region.reserve(face.region.size());
-    for (const HalfSpace& bound : face.region) near.region.push_back(body.to_global(bound));
-    faces.push_back(std::move(near));
+struct NearFaces {
+  std::vector<NearFace> faces;
+  std::vector<HalfSpace> bounds;
+  void clear() {
+    faces.clear();
+    bounds.clear();
   }
+  /// Adds a face whose region is within `depth` [m] of its corners; `around`: a box around the overlap.
+  template <typename Transform>
+  void add(const ConvexShape::Face& face, const std::vector<Vec3>& corners, double hardness, double depth,
+           const coupling::Box& around, const Transform& to_frame) {
+    coupling::Box box{corners[face.corners[0]], corners[face.corners[0]]};
+    for (const int c : face.corners) {
+      box.lower = box.lower.cwiseMin(corners[c]);
+      box.upper = box.upper.cwiseMax(corners[c]);
+    }
+    box.lower = (box.lower.array() - depth).matrix().cwiseMax(around.lower);
+    box.upper = (box.upper.array() + depth).matrix().cwiseMin(around.upper);
+    if ((box.lower.array() > box.upper.array()).any()) return;
+    const MiddleBox middle(box);
+    const std::size_t begin = bounds.size();
+    for (const HalfSpace& bound : face.region) {
+      const HalfSpace here = to_frame(bound);
+      if (here.misses(middle.centre, middle.half)) {
+        bounds.resize(begin);
+        return;
+      }
+      if (!here.holds(middle.centre, middle.half)) bounds.push_back(here);
+    }
+    faces.push_back({box, pressure_field(hardness, to_frame(face.outside)), begin, bounds.size()});
+  }
+};
+
+/// Whether a box is out of reach of one of the half-spaces.
+bool missed(const std::vector<HalfSpace>& bounds, const NearFace& face, const MiddleBox& box) {
+  return std::any_of(bounds.begin() + face.begin, bounds.begin() + face.end,
+                     [&](const HalfSpace& bound) { return bound.misses(box.centre, box.half); });
+}
+
+bool cut_by(const std::vector<HalfSpace>& bounds, const NearFace& face, FlatPolygon& polygon) {
+  return std::all_of(bounds.begin() + face.begin, bounds.begin() + face.end,
+                     [&](const HalfSpace& bound) { return polygon.cut(bound); });
 }
 
 coupling::Box box_around(const std::vector<Vec3>& corners) {
@@ -88,84 +117,106 @@ coupling::Box box_around(const std::vector<Vec3>& corners) {
   return box;
 }
 
-bool cut_by(const std::vector<HalfSpace>& region, Polygon& polygon) {
-  return std::all_of(region.begin(), region.end(), [&](const HalfSpace& bound) { return polygon.cut(bound); });
+/// Area [m^2] of the largest side of a box.
+double largest_section(const coupling::Box& box) {
+  const Vec3 edge = box.upper - box.lower;
+  return edge.prod() / edge.minCoeff();
 }
 
-/// `deepest`: distance of the body's deepest corner beyond the wall; no place on the wall is deeper in the body.
-void press_polygon(const PosedShape& body, const Polygon& whole, const Vec3& normal, double deepest, Patch& patch) {
-  thread_local Polygon polygon;
-  const Vec3 direction = body.axes.transpose() * normal;
-  const double level = direction.dot(body.axes.transpose() * (whole.corners()[0] - body.position));
+/// `whole`: of the wall, in the body's frame; `deepest`: distance of the body's deepest corner beyond the wall: no
+/// place on the wall is deeper in the body.
+void press_polygon(const PosedShape& body, const FlatPolygon& whole, const Vec3& direction, double level,
+                   double deepest, Patch& patch) {
+  thread_local FlatPolygon polygon;
   for (const auto& face : body.shape->faces) {
     const bool near = std::any_of(face.corners.begin(), face.corners.end(), [&](int c) {
       return direction.dot(body.shape->corners[c]) - level <= deepest * (1 + 1e-9);
     });
     if (!near) continue;
     polygon = whole;
-    const bool left = std::all_of(face.region.begin(), face.region.end(),
-                                  [&](const HalfSpace& bound) { return polygon.cut(body.to_global(bound)); });
-    if (left) add_polygon(polygon, normal, pressure_field(body, face), body.hardness, patch);
+    const bool left =
+        std::all_of(face.region.begin(), face.region.end(), [&](const HalfSpace& bound) { return polygon.cut(bound); });
+    if (left) {
+      add_polygon(body, polygon, direction, pressure_field(body.hardness, face.outside), body.hardness, patch);
+    }
   }
 }
 
 }  // namespace
 
 void press(const PosedShape& first, const PosedShape& second, double overlap_depth, Patch& patch) {
-  thread_local std::vector<NearFace> first_faces, second_faces;
-  thread_local std::vector<Vec3> second_corners;
-  thread_local Polygon polygon;
+  thread_local NearFaces ours, theirs;
+  thread_local std::vector<Vec3> their_corners;
+  thread_local FlatPolygon polygon;
   // In the frame of the first body, where the boxes around its faces are tight. Neither pressure in the overlap exceeds
   // what the overlap's depth gives in the harder body.
-  const PosedShape a{first.shape, coupling::Mat3::Identity(), Vec3::Zero(), first.hardness};
-  const PosedShape b{second.shape, first.axes.transpose() * second.axes,
-                     first.axes.transpose() * (second.position - first.position), second.hardness};
-  second_corners.clear();
-  for (const Vec3& corner : second.shape->corners) second_corners.push_back(b.to_global(corner));
+  const coupling::Mat3 turn = first.axes.transpose() * second.axes;
+  // Faces of both bodies that lie in one plane would have the same pressure in a whole region: a hair between them,
+  // which is fixed to the first body and so changes the potential but not that there is one.
+  const Vec3 shift =
+      first.axes.transpose() * (second.position - first.position) + 1e-12 * first.shape->reach * Vec3(1.0, 1.3, 1.7);
+  their_corners.clear();
+  for (const Vec3& corner : second.shape->corners) their_corners.emplace_back(shift + turn * corner);
+  coupling::Box around = box_around(their_corners);
+  around.lower = around.lower.cwiseMax(first.shape->box.lower);
+  around.upper = around.upper.cwiseMin(first.shape->box.upper);
   const double most = std::max(first.hardness, second.hardness) * overlap_depth * (1 + 1e-9);
-  near_faces(a, first.shape->corners, most / first.hardness, box_around(second_corners), first_faces);
-  near_faces(b, second_corners, most / second.hardness, box_around(first.shape->corners), second_faces);
+  ours.clear();
+  theirs.clear();
+  for (const auto& face : first.shape->faces) {
+    ours.add(face, first.shape->corners, first.hardness, most / first.hardness, around,
+             [](const HalfSpace& bound) { return bound; });
+  }
+  for (const auto& face : second.shape->faces) {
+    theirs.add(face, their_corners, second.hardness, most / second.hardness, around, [&](const HalfSpace& bound) {
+      const Vec3 normal = turn * bound.normal;
+      return HalfSpace{normal, bound.offset + normal.dot(shift)};
+    });
+  }
   const double spring = first.hardness * second.hardness / (first.hardness + second.hardness);
-  const std::size_t begin = patch.places.size();
-  for (const NearFace& f : first_faces) {
-    for (const NearFace& g : second_faces) {
-      const Vec3 lower = f.box.lower.cwiseMax(g.box.lower), upper = f.box.upper.cwiseMin(g.box.upper);
-      if ((lower.array() > upper.array()).any()) continue;
+  const double negligible = 1e-7 * largest_section(around);
+  for (const NearFace& f : ours.faces) {
+    for (const NearFace& g : theirs.faces) {
+      const coupling::Box box{f.box.lower.cwiseMax(g.box.lower), f.box.upper.cwiseMin(g.box.upper)};
+      if ((box.lower.array() > box.upper.array()).any() || largest_section(box) < negligible) continue;
       // Equal pressure: difference . x + value = 0; the difference grows into the first body.
       const Vec3 difference = f.pressure.slope - g.pressure.slope;
+      const double value = f.pressure.value - g.pressure.value;
+      const MiddleBox middle(box);
+      if (std::abs(difference.dot(middle.centre) + value) > difference.cwiseAbs().dot(middle.half)) continue;
+      if (missed(ours.bounds, f, middle) || missed(theirs.bounds, g, middle)) continue;
       const double length = difference.norm();
       if (length < 1e-9 * (first.hardness + second.hardness)) continue;
       const Vec3 normal = difference / length;
-      const Vec3 centre = 0.5 * (lower + upper), half = 0.5 * (upper - lower);
-      const double height = f.pressure.above(g.pressure, centre) / length;
-      if (std::abs(height) > half.dot(normal.cwiseAbs())) continue;  // the plane passes by
-      polygon.set_square(centre - height * normal, normal, half.norm());
-      if (cut_by(f.region, polygon) && cut_by(g.region, polygon)) {
-        add_polygon(polygon, normal, f.pressure, spring, patch);
+      if (polygon.set(normal, -value / length, box.lower, box.upper) && cut_by(ours.bounds, f, polygon) &&
+          cut_by(theirs.bounds, g, polygon)) {
+        add_polygon(first, polygon, normal, f.pressure, spring, patch);
       }
     }
-  }
-  for (std::size_t p = begin; p < patch.places.size(); ++p) {
-    patch.places[p].position = first.to_global(patch.places[p].position);
-    patch.places[p].area = first.axes * patch.places[p].area;
   }
 }
 
 void press_plane(const PosedShape& body, const Vec3& point, const Vec3& normal, Patch& patch) {
   const double deepest = -separation_from_plane(body, point, normal);
   if (deepest <= 0) return;
-  const double height = normal.dot(body.position - point);
-  thread_local Polygon whole;
-  whole.set_square(body.position - height * normal, normal, body.shape->reach);
-  press_polygon(body, whole, normal, deepest, patch);
+  const Vec3 direction = body.axes.transpose() * normal;
+  const double level = normal.dot(point - body.position);
+  thread_local FlatPolygon whole;
+  if (whole.set(direction, level, body.shape->box.lower, body.shape->box.upper)) {
+    press_polygon(body, whole, direction, level, deepest, patch);
+  }
 }
 
 void press_triangle(const PosedShape& body, const coupling::Triangle& triangle, const Vec3& normal, Patch& patch) {
   const double deepest = -separation_from_plane(body, triangle[0], normal);
   if (deepest <= 0) return;
-  thread_local Polygon whole;
-  whole.set({triangle.begin(), triangle.end()});
-  press_polygon(body, whole, normal, deepest, patch);
+  const Vec3 direction = body.axes.transpose() * normal;
+  coupling::Triangle here;
+  for (int c = 0; c < 3; ++c) here[c] = body.axes.transpose() * (triangle[c] - body.position);
+  const double level = direction.dot(here[0]);
+  thread_local FlatPolygon whole;
+  whole.set(direction, level, here);
+  press_polygon(body, whole, direction, level, deepest, patch);
 }
 
 double separation(const PosedShape& first, const PosedShape& second) {

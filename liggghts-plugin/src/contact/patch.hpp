@@ -15,10 +15,6 @@ struct PosedShape {
   double hardness = 0;                               ///< pressure per depth below the surface [Pa/m]
 
   [[nodiscard]] coupling::Vec3 to_global(const coupling::Vec3& x) const { return position + axes * x; }
-  [[nodiscard]] HalfSpace to_global(const HalfSpace& half_space) const {
-    const coupling::Vec3 normal = axes * half_space.normal;
-    return {normal, half_space.offset + normal.dot(position)};
-  }
 };
 
 /// The surface on which two bodies press each other, in places of a quadrature rule.
@@ -31,16 +27,18 @@ struct PosedShape {
 struct Patch {
   struct Place {
     coupling::Vec3 position;  ///< relative to the origin of choice [m]
-    coupling::Vec3 area;      ///< share of the area times the normal towards the first body [m^2]
-    double pressure;          ///< [Pa]
+    coupling::Vec3 force;     ///< on the first body, of its share of the area [N]
+    double size;              ///< of the force [N]
   };
   std::vector<Place> places;
   double stiffness = 0;  ///< of all springs side by side [N/m]
+  double highest = 0;    ///< pressure at any place [Pa]
 
   [[nodiscard]] bool empty() const { return places.empty(); }
   void clear() {
     places.clear();
     stiffness = 0;
+    highest = 0;
   }
 };
 
