@@ -120,7 +120,7 @@ coupling::Box box_around(const std::vector<Vec3>& corners) {
 /// Area [m^2] of the largest side of a box.
 double largest_section(const coupling::Box& box) {
   const Vec3 edge = box.upper - box.lower;
-  return edge.prod() / edge.minCoeff();
+  return std::max({edge[0] * edge[1], edge[1] * edge[2], edge[2] * edge[0]});
 }
 
 /// `whole`: of the wall, in the body's frame; `deepest`: distance of the body's deepest corner beyond the wall: no
