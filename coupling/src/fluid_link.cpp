@@ -53,11 +53,13 @@ struct FluidLink::Impl {
   Outbox load_messages;
   Outbox pressure_messages;
   Outbox sharer_messages;
+  Outbox memory_message;
   Bytes inbox;
   mutable LinkCounters counters;
 };
 
-FluidLink::FluidLink(const Participants& participants, MPI_Comm own, const FluidTerms& terms, YieldHook yield) {
+FluidLink::FluidLink(const Participants& participants, MPI_Comm own, const FluidTerms& terms, YieldHook yield,
+                     std::span<const std::byte> memory) {
   if (participants.solid_ranks.empty()) {
     throw InputError(
         "the scene has solids but no solid program takes part; start one in the same mpirun "
@@ -67,6 +69,10 @@ FluidLink::FluidLink(const Participants& participants, MPI_Comm own, const Fluid
   impl_ = std::make_unique<Impl>(participants, terms, std::move(yield));
   Impl& m = *impl_;
   if (m.participants.order) m.participants.order->fluid_present = true;
+  if (m.side.is_root()) {  // the solids wait for it before they state their terms
+    m.memory_message.prepare(1, m.waiter).front().assign(memory.begin(), memory.end());
+    m.memory_message.send(0, m.participants.solid_ranks.front(), tag_memory, m.participants.world);
+  }
   m.solid = shake_hands(terms, m.participants, m.side, m.waiter);
   m.keep_order([](const LocalOrder& order) { return order.solid_present; });
 }
@@ -111,8 +117,21 @@ Epoch FluidLink::plan(const Box& region, const Epoch& proposal) {
   for (const PlannedBody& body : m.planned)
     m.bodies.push_back({body.tag, body.shape, body.state, {}, body.sharers, false});
   m.plan_neighbours();
-  if (epoch.windows == 0 && m.participants.order) m.participants.order->fluid_gone = true;
+  if (epoch.windows == 0 && !epoch.checkpoint && m.participants.order) m.participants.order->fluid_gone = true;
   return epoch;
+}
+
+std::vector<std::byte> FluidLink::checkpoint(const Box& region, double time) {
+  Impl& m = *impl_;
+  plan(region, {0, 0, time, true});
+  Bytes memory, done;
+  if (m.side.is_root()) {
+    const int solid_root = m.participants.solid_ranks.front();
+    m.waiter.until([&] { return receive_if_there(m.participants.world, solid_root, tag_memory_given, memory); });
+  }
+  m.side.broadcast(done);  // all ranks wait for that
+  m.keep_order([](const LocalOrder& order) { return order.solid_plans > order.fluid_plans; });
+  return memory;
 }
 
 void FluidLink::Impl::plan_neighbours() {
@@ -130,7 +149,7 @@ double FluidLink::margin() const { return impl_->margin; }
 
 bool FluidLink::surface_pressures_due() const {
   const int every = impl_->solid.surface_pressure_every;
-  return every > 0 && impl_->loads_sent % every == 0;
+  return every > 0 && (loads_before(impl_->terms) + impl_->loads_sent) % every == 0;
 }
 
 void FluidLink::send_loads(std::span<const Load> partial, std::span<const BodyPressures> pressures) {

@@ -18,6 +18,7 @@ void write(Writer& out, const FluidTerms& terms) {
   out.put(terms.reach);
   out.put(terms.reference_speed);
   out.put(terms.fluid_density);
+  out.put(terms.windows_before);
 }
 
 void read(Reader& in, FluidTerms& terms) {
@@ -29,6 +30,7 @@ void read(Reader& in, FluidTerms& terms) {
   in.get(terms.reach);
   in.get(terms.reference_speed);
   in.get(terms.fluid_density);
+  in.get(terms.windows_before);
 }
 
 void write(Writer& out, const SolidTerms& terms) {

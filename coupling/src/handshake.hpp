@@ -11,4 +11,9 @@ namespace embacle::coupling {
 SolidTerms shake_hands(const FluidTerms& mine, const Participants& participants, Side& side, Waiter& waiter);
 FluidTerms shake_hands(const SolidTerms& mine, const Participants& participants, Side& side, Waiter& waiter);
 
+/// Messages with loads before the checkpoint from which a run continues: the parallel scheme began with one more.
+inline std::int64_t loads_before(const FluidTerms& terms) {
+  return terms.windows_before + (terms.windows_before > 0 && terms.scheme == Scheme::parallel ? 1 : 0);
+}
+
 }  // namespace embacle::coupling

@@ -13,6 +13,7 @@ struct LocalOrder {
   bool solid_present = false;
   bool fluid_gone = false;
   int fluid_plans = 0;   ///< plans begun by the fluid
+  int solid_plans = 0;   ///< plans begun by the solids
   int fluid_loads = 0;   ///< calls of send_loads completed, the one before the first window included
   int solid_states = 0;  ///< calls of send_states completed
 };

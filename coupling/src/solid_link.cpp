@@ -40,9 +40,11 @@ struct SolidLink::Impl {
   double window = 0;
   int windows_since_plan = 0;
   int plans = 0;
+  bool owes_memory = false;
   std::int64_t loads_received = 0;
   std::int64_t states_sent = 0;
   Outbox state_messages;
+  Outbox memory_message;
   Bytes inbox;
   mutable LinkCounters counters;
 };
@@ -53,6 +55,13 @@ SolidLink::SolidLink(const Participants& participants, MPI_Comm own, const Solid
   Impl& m = *impl_;
   if (m.participants.order) m.participants.order->solid_present = true;
   m.fluid = shake_hands(terms, m.participants, m.side, m.waiter);
+  // The memory comes before the terms: still here if the program did not ask for it.
+  Bytes memory;
+  if (m.side.is_root() &&
+      receive_if_there(m.participants.world, m.participants.fluid_ranks.front(), tag_memory, memory) &&
+      !memory.empty()) {
+    throw InputError("the water continues from a checkpoint, but this program of the solids cannot");
+  }
   m.keep_order([](const LocalOrder& order) { return order.fluid_plans > 0; });
 }
 
@@ -61,8 +70,36 @@ SolidLink::SolidLink(SolidLink&&) noexcept = default;
 
 const FluidTerms& SolidLink::fluid() const { return impl_->fluid; }
 
+SolidMemory receive_memory(const Participants& participants, MPI_Comm own, const YieldHook& yield) {
+  check_participation(participants, participants.solid_ranks, own, yield);
+  Waiter waiter(yield);
+  Side side(participants.solid_side, waiter);
+  SolidMemory memory;
+  if (side.is_root()) {
+    const int fluid_root = participants.fluid_ranks.front();
+    waiter.until([&] { return receive_if_there(participants.world, fluid_root, tag_memory, memory.bytes); });
+  }
+  memory.there = side.maximum(memory.bytes.empty() ? 0 : 1) > 0;
+  return memory;
+}
+
+void SolidLink::give_memory(std::span<const std::byte> memory) {
+  Impl& m = *impl_;
+  if (!m.owes_memory) throw std::logic_error("coupling: give_memory belongs after a plan with checkpoint");
+  m.owes_memory = false;
+  if (!m.side.is_root()) return;
+  m.memory_message.prepare(1, m.waiter).front().assign(memory.begin(), memory.end());
+  m.memory_message.send(0, m.participants.fluid_ranks.front(), tag_memory_given, m.participants.world);
+}
+
+void SolidLink::take_up_loads(std::span<const std::pair<BodyTag, Load>> loads) {
+  for (const auto& [tag, load] : loads) impl_->loads[tag] = load;
+}
+
 Epoch SolidLink::plan(const Box& region, std::span<const SolidBody> owned) {
   Impl& m = *impl_;
+  if (m.owes_memory) throw std::logic_error("coupling: a plan with checkpoint calls for give_memory");
+  if (m.participants.order) ++m.participants.order->solid_plans;
   const int fluid_root = m.participants.fluid_ranks.front();
   Bytes message;
   if (m.side.is_root()) {
@@ -105,6 +142,8 @@ Epoch SolidLink::plan(const Box& region, std::span<const SolidBody> owned) {
   m.partners = partners_of(m.planned, &PlannedBody::sharers, m.participants.fluid_ranks);
   m.keep_loads_of_known_bodies(owned);
   ++m.plans;
+  m.owes_memory = epoch.checkpoint;
+  if (epoch.checkpoint) return epoch;  // the water waits until this side plans again
   m.keep_order([&](const LocalOrder& order) { return epoch.windows > 0 && order.fluid_loads > m.loads_received; });
   return epoch;
 }
@@ -142,7 +181,7 @@ void SolidLink::receive_loads() {
 void SolidLink::Impl::receive_pressures() {
   pressures.clear();
   const int every = terms.surface_pressure_every;
-  if (every == 0 || loads_received % every != 0) return;
+  if (every == 0 || (loads_before(fluid) + loads_received) % every != 0) return;
   std::unordered_map<BodyTag, std::size_t> place;
   for (const Partner& partner : partners) {
     Reader in = receive_numbered(participants.world, partner.world, tag_pressures, loads_received, inbox, waiter);

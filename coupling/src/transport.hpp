@@ -116,7 +116,9 @@ enum Tag : int {
   tag_loads,
   tag_states,
   tag_pressures,
-  tag_sharers,  // on the fluid's own communicator
+  tag_memory,        // to the solids of a run that continues
+  tag_memory_given,  // by the solids for a checkpoint
+  tag_sharers,       // on the fluid's own communicator
 };
 
 }  // namespace embacle::coupling

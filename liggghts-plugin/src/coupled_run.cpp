@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "fix_floe_create.hpp"
+#include "solid_memory.hpp"
 #include "stock_access.hpp"
 
 using namespace LAMMPS_NS;
@@ -35,6 +37,9 @@ class OpenEndedRun {
     lammps_->timer->init();
     lammps_->timer->barrier_start(TIME_LOOP);
   }
+
+  /// Sets up anew amid the run.
+  void set_up() { lammps_->update->integrate->setup(); }
 
   void advance(int steps) { lammps_->update->integrate->run(steps); }
 
@@ -86,21 +91,71 @@ void count_window(SolidReport& report, const SubSteps& chosen, double window) {
   ++report.windows;
 }
 
+/// Of the report, what counts from the first start on.
+std::vector<double> progress_of(const SolidReport& report) {
+  return {static_cast<double>(report.windows),
+          static_cast<double>(report.sub_steps),
+          static_cast<double>(report.fewest_sub_steps),
+          static_cast<double>(report.most_sub_steps),
+          static_cast<double>(report.resolved_windows),
+          static_cast<double>(report.skin_limited_windows),
+          report.simulated_seconds,
+          report.step_seconds};
+}
+
+void recall_progress(SolidReport& report, const std::vector<double>& numbers) {
+  if (numbers.size() != progress_of(report).size()) return;
+  const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(numbers[k]); };
+  report.windows = count(0);
+  report.sub_steps = count(1);
+  report.fewest_sub_steps = count(2);
+  report.most_sub_steps = count(3);
+  report.resolved_windows = count(4);
+  report.skin_limited_windows = count(5);
+  report.simulated_seconds = numbers[6];
+  report.step_seconds = numbers[7];
+}
+
 }  // namespace
 
 void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants& participants, MPI_Comm own,
                  const coupling::YieldHook& yield, SolidReport& report) {
+  if (fix->continues()) {
+    fix->check_taken_up();
+    recall_progress(report, fix->progress);
+  }
   OpenEndedRun run(lammps);
   SolidLink link(participants, own, fix->terms(), yield);
   fix->prepare(link.fluid());
   if (link.fluid().dimension == 2) keep_in_plane(fix->multisphere());
 
-  run.start();
-  ContactOutlook outlook(lammps, fix->multisphere(), fix->rule());
+  std::optional<ContactOutlook> outlook;
+  // Where a run goes on after a checkpoint, it must go the way of one that continues from it.
+  const auto go_on = [&] {
+    fix->take_up_forces();
+    link.take_up_loads(fix->loads());
+    outlook.emplace(lammps, fix->multisphere(), fix->rule());
+  };
+  if (fix->continues()) {
+    fix->take_up_state();
+    run.start();
+    go_on();
+  } else {
+    run.start();
+    outlook.emplace(lammps, fix->multisphere(), fix->rule());
+  }
   const bool parallel = link.fluid().scheme == coupling::Scheme::parallel;
-  bool first = true;
+  bool first = !fix->continues();
   while (true) {
     const Epoch epoch = link.plan(own_region(lammps->domain), fix->bodies());
+    if (epoch.checkpoint) {
+      fix->progress = progress_of(report);
+      lammps->update->update_time();
+      link.give_memory(memory_of(lammps));
+      run.set_up();
+      go_on();
+      continue;
+    }
     if (epoch.windows == 0) break;
     if (parallel && first) {  // the load at the start; later windows use the loads of the window before
       link.receive_loads();
@@ -114,11 +169,11 @@ void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants
       }
       const double start = MPI_Wtime();
       fix->begin_window();
-      const SubSteps chosen = outlook.choose(epoch.window);
+      const SubSteps chosen = outlook->choose(epoch.window);
       set_time_step(lammps, epoch.window / chosen.count);
-      if (outlook.rebuild_advisable()) fix->request_rebuild(lammps->update->ntimestep + chosen.count);
+      if (outlook->rebuild_advisable()) fix->request_rebuild(lammps->update->ntimestep + chosen.count);
       run.advance(chosen.count);
-      outlook.window_done(epoch.window);
+      outlook->window_done(epoch.window);
       fix->end_window(epoch.window);
       count_window(report, chosen, epoch.window);
       report.step_seconds += MPI_Wtime() - start;

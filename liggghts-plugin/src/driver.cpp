@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "coupled_run.hpp"
 #include "liggghts_errors.hpp"
+#include "solid_memory.hpp"
 #include "stock_access.hpp"
 #include "styles.hpp"
 
@@ -34,6 +36,14 @@ std::string output_folder(const std::vector<std::string>& arguments) {
     if ((arguments[i] == "-var" || arguments[i] == "-v") && arguments[i + 1] == "out") return arguments[i + 2];
   }
   return "";
+}
+
+/// The log of the run so far stays beside that of the run that continues.
+void keep_log(const std::string& log, MPI_Comm own) {
+  int rank = 0;
+  MPI_Comm_rank(own, &rank);
+  std::error_code ignored;
+  if (rank == 0 && !log.empty() && log != "none") std::filesystem::rename(log, log + ".before", ignored);
 }
 
 void write_summary(const std::string& folder, const SolidReport& report) {
@@ -75,8 +85,14 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
   if (!option_value(arguments, "-partition", "-p").empty())
     throw InputError("liggghts-mps: -partition is not supported");
 
+  coupling::SolidMemory memory;
+  if (fluid_present) memory = coupling::receive_memory(participants, own, yield);
+  const MemoryFile memory_file(memory.bytes);
+  memory.bytes = {};
   std::vector<std::string> words = {"liggghts-mps"};
   words.insert(words.end(), arguments.begin(), arguments.end());
+  words.insert(words.end(), {"-var", "restarted", memory.there ? "1" : "0"});
+  if (memory.there) keep_log(option_value(arguments, "-log", "-l"), own);
   for (std::size_t i = 1; i < words.size(); ++i) {
     // LIGGGHTS 3.8.0 reads meshes with a print to the screen even if there is none, and crashes.
     if ((words[i - 1] == "-screen" || words[i - 1] == "-sc") && words[i] == "none") words[i] = "/dev/null";
@@ -90,6 +106,7 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
   try {
     lammps = new LAMMPS(static_cast<int>(argv.size()), argv.data(), own);
     register_styles(lammps);
+    if (memory.there) continue_from(lammps, memory_file.name());
     try {
       lammps->input->file();
     } catch (const ScriptQuit&) {
@@ -113,6 +130,14 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
                     "  mpirun -n 1 mps SCENE : -n 1 liggghts-mps -in {}\n"
                     "or remove the fix",
                     script, script));
+  }
+  if (memory.there && !couple->continues()) {
+    throw InputError(fmt::format(
+        "{}: cannot continue from a checkpoint: its bodies were not taken up. They come with the command create_box; "
+        "the "
+        "fixes must follow it, fix couple/mps with the name it had, and no 'run' may stand before them, unless as "
+        "if \"${{restarted}} == 0\" then \"run N\" (docs/restart.md)",
+        script));
   }
   report.script_seconds = MPI_Wtime() - start;
   report.coupled = fluid_present;

@@ -9,6 +9,7 @@
 
 #include "bodies.hpp"
 #include "fix_floe_create.hpp"
+#include "stock_access.hpp"
 #include "words.hpp"
 
 using namespace LAMMPS_NS;
@@ -44,6 +45,7 @@ FixCoupleMps::FixCoupleMps(LAMMPS* lammps, int argc, char** argv) : Fix(lammps, 
   }
   force_reneighbor = 1;
   next_reneighbor = -1;
+  restart_global = 1;
 }
 
 int FixCoupleMps::setmask() { return FixConst::PRE_FORCE; }
@@ -72,7 +74,7 @@ void FixCoupleMps::post_create() {
   }
   if (pressures_every_ > 0) {
     const std::array<const char*, 9> property = {
-        "waterPressure", "all", "property/atom", "waterPressure", "scalar", "no", "yes", "yes", "0."};
+        "waterPressure", "all", "property/atom", "waterPressure", "scalar", "yes", "yes", "yes", "0."};
     pressure_ = modify->add_fix_property_atom(9, const_cast<char**>(property.data()), style);
   }
 }
@@ -251,6 +253,107 @@ void FixCoupleMps::end_window(double window) {
         data.mass(i) * ((velocity - at((*velocity_start_)(i))) / window - fall) - at((*force_)(i));
     at((*contact_torque_)(i)) = (angular_momentum - at((*angular_momentum_start_)(i))) / window - at((*torque_)(i));
   }
+}
+
+void FixCoupleMps::write_restart(FILE* file) {
+  Multisphere& data = multisphere_->data();
+  double** forces = data.extract_double_vector("fcm");
+  double** torques = data.extract_double_vector("torque");
+  std::vector<double> mine;
+  for (int i = 0; i < data.n_body(); ++i) {
+    mine.push_back(static_cast<double>(data.tag(i)));
+    for (BodyVector* property : remembered()) mine.insert(mine.end(), (*property)(i), (*property)(i) + 3);
+    mine.insert(mine.end(), forces[i], forces[i] + 3);
+    mine.insert(mine.end(), torques[i], torques[i] + 3);
+  }
+  kept_ = {update->get_cur_time(), update->dt, update->ntimestep, atom->natoms, gather_on_all(world, mine)};
+  if (comm->me != 0) return;
+  std::vector<double> record = {kept_.time,
+                                kept_.step_length,
+                                static_cast<double>(kept_.step),
+                                static_cast<double>(kept_.atoms),
+                                static_cast<double>(progress.size()),
+                                static_cast<double>(kept_.bodies.size())};
+  record.insert(record.end(), progress.begin(), progress.end());
+  record.insert(record.end(), kept_.bodies.begin(), kept_.bodies.end());
+  const int bytes = static_cast<int>(record.size() * sizeof(double));
+  fwrite(&bytes, sizeof bytes, 1, file);
+  fwrite(record.data(), sizeof(double), record.size(), file);
+}
+
+void FixCoupleMps::restart(char* buffer) {
+  std::array<double, 6> head{};
+  std::memcpy(head.data(), buffer, sizeof head);
+  kept_ = {head[0], head[1], static_cast<bigint>(head[2]), static_cast<bigint>(head[3]), {}};
+  progress.resize(static_cast<std::size_t>(head[4]));
+  kept_.bodies.resize(static_cast<std::size_t>(head[5]));
+  buffer += sizeof head;
+  for (auto* part : {&progress, &kept_.bodies}) {
+    std::memcpy(part->data(), buffer, part->size() * sizeof(double));
+    buffer += part->size() * sizeof(double);
+  }
+  continues_ = true;
+}
+
+void FixCoupleMps::check_taken_up() const {
+  if (update->ntimestep != kept_.step) {
+    throw InputError(fmt::format(
+        "{}: the script runs to step {} before the coupled run, which continues from step {} of the checkpoint; let it "
+        "run only where nothing continues: if \"${{restarted}} == 0\" then \"run N\"",
+        where_, update->ntimestep, kept_.step));
+  }
+  if (atom->natoms != kept_.atoms) {
+    throw InputError(fmt::format(
+        "{}: the script makes {} particles beside the {} of the checkpoint from which the run continues; let it make "
+        "them only where nothing continues: if \"${{restarted}} == 0\" then \"fix ...\"",
+        where_, atom->natoms - kept_.atoms, kept_.atoms));
+  }
+}
+
+void FixCoupleMps::take_up_state() {
+  set_time_step(lmp, kept_.step_length);
+  update->atime = kept_.time;
+  update->atimestep = update->ntimestep;
+  for (const auto& [i, record] : kept_of_own()) {
+    const double* values = record;
+    for (BodyVector* property : remembered()) {
+      at((*property)(i)) = Eigen::Map<const Vec3>(values);
+      values += 3;
+    }
+  }
+}
+
+void FixCoupleMps::take_up_forces() {
+  Multisphere& data = multisphere_->data();
+  double** forces = data.extract_double_vector("fcm");
+  double** torques = data.extract_double_vector("torque");
+  for (const auto& [i, record] : kept_of_own()) {
+    const auto part = [&, values = record](int k) { return Eigen::Map<const Vec3>(values + 3 * k); };
+    at((*force_before_)(i)) = part(2);
+    at((*torque_before_)(i)) = part(3);
+    at(forces[i]) = part(6);
+    at(torques[i]) = part(7);
+  }
+}
+
+std::vector<std::pair<int, const double*>> FixCoupleMps::kept_of_own() const {
+  constexpr std::size_t width = 1 + 3 * 8;
+  Multisphere& data = multisphere_->data();
+  std::vector<std::pair<int, const double*>> found;
+  for (std::size_t row = 0; row + width <= kept_.bodies.size(); row += width) {
+    const int i = data.map(static_cast<int>(kept_.bodies[row]));
+    if (i >= 0) found.emplace_back(i, kept_.bodies.data() + row + 1);
+  }
+  return found;
+}
+
+std::vector<std::pair<coupling::BodyTag, coupling::Load>> FixCoupleMps::loads() const {
+  Multisphere& data = multisphere_->data();
+  std::vector<std::pair<coupling::BodyTag, coupling::Load>> result;
+  for (int i = 0; i < data.n_body(); ++i) {
+    result.push_back({data.tag(i), {at((*force_)(i)), at((*torque_)(i))}});
+  }
+  return result;
 }
 
 FixCoupleMps* find_couple_mps(LAMMPS* lammps) {

@@ -1,7 +1,9 @@
 // fix couple/mps: the solid side's end of the exchange with the fluid.
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contact_outlook.hpp"
@@ -22,6 +24,8 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
   void init() override;
   void setup_pre_force(int vflag) override { pre_force(vflag); }
   void pre_force(int vflag) override;
+  void write_restart(FILE* file) override;
+  void restart(char* buffer) override;
 
   /// What the solid states at the handshake: gravity of the script's fix gravity (zero without one), box, shapes.
   [[nodiscard]] coupling::SolidTerms terms() const;
@@ -42,6 +46,20 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
   /// Asks for a rebuild of the neighbour lists in the given time step.
   void request_rebuild(bigint step) { next_reneighbor = step; }
 
+  /// Whether the script has taken up the checkpoint from which the run continues.
+  [[nodiscard]] bool continues() const { return continues_; }
+  /// Throws InputError if the script has gone on from the checkpoint, or has added to it.
+  void check_taken_up() const;
+  /// Before the set-up of a run that continues: clock, time step, and the loads on the bodies.
+  void take_up_state();
+  /// After the set-up of a run that continues, and of one that has written a checkpoint: the sums of force and torque
+  /// are those of the last step. The set-up makes them with velocities that are half a step younger.
+  void take_up_forces();
+  /// The loads last applied to the bodies of this rank.
+  [[nodiscard]] std::vector<std::pair<coupling::BodyTag, coupling::Load>> loads() const;
+  /// Numbers of the caller that a checkpoint keeps.
+  std::vector<double> progress;
+
   [[nodiscard]] const SubStepRule& rule() const { return rule_; }
   [[nodiscard]] LAMMPS_NS::FixMultisphere* multisphere() const { return multisphere_; }
 
@@ -50,6 +68,9 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
   BodyVector* add_body_vector(const char* name);
   [[nodiscard]] coupling::Vec3 gravity() const;  // of the script's fix gravity, zero without one [m/s^2]
   void require_unit_depth() const;
+  [[nodiscard]] std::array<BodyVector*, 6> remembered() const {
+    return {force_, torque_, force_before_, torque_before_, contact_force_, contact_torque_};
+  }
   void take_pressures(const std::vector<coupling::BodyPressures>& all);
 
   std::string where_;
@@ -69,6 +90,17 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
   };
   std::vector<std::vector<PointShare>> point_share_;  // per shape and surface point
   std::vector<std::vector<double>> sphere_area_;      // per shape and sphere: area of its points [m^2]
+
+  /// Of the checkpoint last written or taken up, on every rank.
+  struct Kept {
+    double time = 0, step_length = 0;  ///< [s]
+    LAMMPS_NS::bigint step = 0, atoms = 0;
+    std::vector<double> bodies;  ///< per body: tag, the vectors of remembered(), sums of force and torque
+  };
+  Kept kept_;
+  /// This rank's bodies by their number, and of each what was kept, behind the tag.
+  [[nodiscard]] std::vector<std::pair<int, const double*>> kept_of_own() const;
+  bool continues_ = false;
 };
 
 /// The script's fix couple/mps, or null; throws InputError if there is more than one.

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "bodies.hpp"
 #include "words.hpp"
@@ -28,11 +31,19 @@ FixFloeRecord::FixFloeRecord(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
     }
   }
   if (file_name_.empty()) words.fail("needs 'file NAME'");
-  if (comm->me != 0) return;
-  file_ = std::fopen(file_name_.c_str(), "w");
+  restart_global = 1;
+}
+
+void FixFloeRecord::open() {
+  std::error_code problem;
+  const auto size = std::filesystem::file_size(file_name_, problem);
+  const bool kept = !problem && keep_ >= 0 && size >= static_cast<std::uintmax_t>(keep_);
+  if (kept) std::filesystem::resize_file(file_name_, static_cast<std::uintmax_t>(keep_), problem);
+  file_ = problem && kept ? nullptr : std::fopen(file_name_.c_str(), kept ? "a" : "w");
   if (!file_) {
     throw coupling::InputError(fmt::format("{}: cannot write '{}': {}", where_, file_name_, std::strerror(errno)));
   }
+  if (kept) return;
   fmt::print(file_,
              "t [s],tag [-],x [m],y [m],z [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],"
              "wx [rad/s],wy [rad/s],wz [rad/s],fx [N],fy [N],fz [N],tx [N m],ty [N m],tz [N m]\n");
@@ -44,7 +55,26 @@ FixFloeRecord::~FixFloeRecord() {
 
 int FixFloeRecord::setmask() { return FixConst::END_OF_STEP; }
 
-void FixFloeRecord::post_create() { multisphere_ = find_multisphere(lmp, where_); }
+void FixFloeRecord::post_create() {
+  multisphere_ = find_multisphere(lmp, where_);
+  if (comm->me == 0) open();
+}
+
+void FixFloeRecord::write_restart(std::FILE* file) {
+  if (comm->me != 0) return;
+  std::fseek(file_, 0, SEEK_END);
+  const std::array<double, 2> record = {static_cast<double>(std::ftell(file_)), static_cast<double>(written_)};
+  const int bytes = sizeof record;
+  std::fwrite(&bytes, sizeof bytes, 1, file);
+  std::fwrite(record.data(), sizeof(double), record.size(), file);
+}
+
+void FixFloeRecord::restart(char* buffer) {
+  std::array<double, 2> record{};
+  std::memcpy(record.data(), buffer, sizeof record);
+  keep_ = static_cast<long>(record[0]);
+  written_ = static_cast<bigint>(record[1]);
+}
 
 void FixFloeRecord::setup(int /*vflag*/) { write(); }
 

@@ -31,6 +31,8 @@ EMBACLE_OPEN(TurnKey, FixMultisphere, dtq, double);
 EMBACLE_OPEN(WallStepKey, FixWallGran, dt_, double);
 EMBACLE_OPEN(HoldKey, Neighbor, xhold, double**);
 EMBACLE_OPEN(LineKey, Input, line, char*);
+using CommandMap = std::map<std::string, embacle::liggghts::CommandCreator>;
+EMBACLE_OPEN(CommandMapKey, Input, command_map, CommandMap*);
 EMBACLE_OPEN(WallTypeKey, PrimitiveWall, wType, PRIMITIVE_WALL_DEFINITIONS::WallType);
 EMBACLE_OPEN(WallPlaceKey, PrimitiveWall, param, double*);
 EMBACLE_OPEN(ShearKey, FixWallGran, shear_, int);
@@ -49,6 +51,10 @@ namespace embacle::liggghts {
 
 void register_fix_style(LAMMPS* lammps, const std::string& style, FixCreator creator) {
   (*(lammps->modify->*open(FixMapKey{})))[style] = creator;
+}
+
+void replace_command(LAMMPS* lammps, const std::string& command, CommandCreator creator) {
+  (*(lammps->input->*open(CommandMapKey{})))[command] = creator;
 }
 
 void set_time_step(LAMMPS* lammps, double step) {

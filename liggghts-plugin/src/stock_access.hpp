@@ -14,6 +14,11 @@ using FixCreator = LAMMPS_NS::Fix* (*)(LAMMPS_NS::LAMMPS*, int, char**);
 /// Makes `creator` build fixes of the given style name in `lammps`.
 void register_fix_style(LAMMPS_NS::LAMMPS* lammps, const std::string& style, FixCreator creator);
 
+using CommandCreator = void (*)(LAMMPS_NS::LAMMPS*, int, char**);
+
+/// Makes `creator` run when the script gives the command.
+void replace_command(LAMMPS_NS::LAMMPS* lammps, const std::string& command, CommandCreator creator);
+
 /// Changes the time step [s] everywhere LIGGGHTS keeps a copy of it, as fix dt/reset does; fix multisphere included,
 /// which fix dt/reset forgets.
 void set_time_step(LAMMPS_NS::LAMMPS* lammps, double step);

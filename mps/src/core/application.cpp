@@ -158,12 +158,6 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
 
 void check_restart(const Scene& scene, const Options& options) {
   if (options.restart.empty()) return;
-  if (scene.coupled()) {
-    throw coupling::InputError(
-        fmt::format("--restart: {} has solids (coupling.script), whose state no checkpoint holds; only scenes of water "
-                    "alone can be continued",
-                    scene.file.string()));
-  }
   const CheckpointReader checkpoint(options.restart);
   compare_settings(scene, lasting_settings(scene), checkpoint.text("settings"), checkpoint.path().string());
 }
@@ -257,8 +251,16 @@ std::string launch_report(const Scene& scene) {
 Outcome run_water(const Scene& scene, const Options& options, const coupling::Participants* participants, MPI_Comm own,
                   coupling::YieldHook yield) {
   const double program_began = MPI_Wtime();
+  const bool restarted = !options.restart.empty();
+  std::unique_ptr<CheckpointReader> restart;
+  if (restarted) restart = std::make_unique<CheckpointReader>(options.restart);
   std::optional<coupling::FluidLink> link;
-  if (participants != nullptr) link.emplace(*participants, own, terms_of(scene, constants_of(scene)), std::move(yield));
+  if (participants != nullptr) {
+    coupling::FluidTerms terms = terms_of(scene, constants_of(scene));
+    if (restart) terms.windows_before = restart->count("windows");
+    link.emplace(*participants, own, terms, std::move(yield),
+                 restart ? solid_memory(*restart) : std::vector<std::byte>{});
+  }
   set_threads(options.threads);
   RunControl control(scene.output, options.wall_limit, program_began);
   // Neighbour lists and travelling particles take and give back megabytes every few steps; handing those to the system
@@ -267,9 +269,6 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_TOP_PAD, 1 << 26);
   const double began = MPI_Wtime();
-  const bool restarted = !options.restart.empty();
-  std::unique_ptr<CheckpointReader> restart;
-  if (restarted) restart = std::make_unique<CheckpointReader>(options.restart);
   Simulation simulation(scene, own, link ? &*link : nullptr, restart.get());
   Recorder recorder(scene, simulation, options.out, restart.get());
   restart.reset();
@@ -283,13 +282,24 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
   bool started = restarted;
   bool saved = false;  // the present state stands in a checkpoint
   Request agreed = Request::none;
+  const bool wants_checkpoints = scene.output.checkpoint_every > 0 || scene.output.checkpoint_wall > 0;
+  const auto moved = [&] { return simulation.counters().steps > simulation.earlier_steps(); };
+  const auto save = [&] {
+    write_checkpoint(scene, options, simulation, recorder);
+    control.checkpoint_written();
+    saved = true;
+  };
   for (;;) {
     const double left = std::ceil((scene.end_time - simulation.time()) / simulation.window_length() - 1e-6);
     if (!ends_the_run(agreed)) agreed = control.agree(own);
     // Epochs begin at the same steps whether the run was restarted in between or not.
-    const int length = link ? windows_per_coupled_epoch : windows_per_epoch;
+    // With solids a checkpoint is possible between epochs only: they end where one is due.
+    const int length =
+        link ? control.windows_to_checkpoint(simulation.time(), simulation.window_length(), windows_per_coupled_epoch)
+             : windows_per_epoch;
     const int into = link ? 0 : static_cast<int>(simulation.counters().windows % windows_per_epoch);
     const int wanted = ends_the_run(agreed) ? 0 : static_cast<int>(std::clamp(left, 0.0, double(length - into)));
+    if (wanted == 0 && moved() && !saved && (ends_the_run(agreed) || wants_checkpoints)) save();
     const int windows = into > 0 && wanted > 0 ? wanted : simulation.begin_epoch(wanted);
     if (windows == 0) break;
     if (!started) recorder.record(false);
@@ -300,19 +310,12 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
       recorder.record(w + 1 == left);
       agreed = std::max(agreed, static_cast<Request>(simulation.agreed_request()));
       saved = false;
-      if (!link && !ends_the_run(agreed) &&
+      if ((!link || w + 1 == windows) && !ends_the_run(agreed) &&
           control.checkpoint_due(simulation.time(), simulation.window_length(), agreed)) {
-        write_checkpoint(scene, options, simulation, recorder);
-        control.checkpoint_written();
-        saved = true;
+        save();
         agreed = Request::none;
       }
     }
-  }
-  const bool wants_checkpoints = scene.output.checkpoint_every > 0 || scene.output.checkpoint_wall > 0;
-  const bool moved = simulation.counters().steps > simulation.earlier_steps();
-  if (!link && moved && !saved && (ends_the_run(agreed) || wants_checkpoints)) {
-    write_checkpoint(scene, options, simulation, recorder);
   }
   if (ends_the_run(agreed) && started) recorder.measure_end();
 
@@ -321,12 +324,10 @@ Outcome run_water(const Scene& scene, const Options& options, const coupling::Pa
   outcome.summary.set("ended_by", name_of(agreed));
   outcome.status = status_of(agreed);
   if (ends_the_run(agreed)) {
-    outcome.farewell =
-        fmt::format("ended by {} at t = {:g} s of {:g} s; {}\n", name_of(agreed), simulation.time(), scene.end_time,
-                    link    ? "a scene with solids cannot be continued"
-                    : moved ? "continue with --restart " + recorder.folder().string()
-                            : "nothing was done since the start");
-  } else if (restarted && !moved) {
+    outcome.farewell = fmt::format(
+        "ended by {} at t = {:g} s of {:g} s; {}\n", name_of(agreed), simulation.time(), scene.end_time,
+        moved() ? "continue with --restart " + recorder.folder().string() : "nothing was done since the start");
+  } else if (restarted && !moved()) {
     outcome.farewell = fmt::format("the run was at its end already; --end-time makes it longer\n");
   }
   return outcome;

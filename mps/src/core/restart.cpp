@@ -1,5 +1,6 @@
 // What a checkpoint holds of the simulation and of the recorder, and how they continue from one.
 #include <algorithm>
+#include <cstring>
 #include <sstream>
 #include <unordered_map>
 
@@ -44,6 +45,14 @@ std::vector<Traveller> read_water(const CheckpointReader& checkpoint, std::int64
   return result;
 }
 
+/// What the solids gave as a table of numbers of eight bytes each.
+void add_solids(CheckpointContent& content, const std::vector<std::byte>& memory) {
+  std::vector<std::int64_t> numbers((memory.size() + 7) / 8);
+  if (!memory.empty()) std::memcpy(numbers.data(), memory.data(), memory.size());
+  content.counts["solid_bytes"] = static_cast<std::int64_t>(memory.size());
+  content.tables.push_back({"solids", "a restart file of LIGGGHTS, solid_bytes long", 1, std::move(numbers)});
+}
+
 std::vector<double> gathered(double value, MPI_Comm comm) {
   int size = 1;
   MPI_Comm_size(comm, &size);
@@ -54,8 +63,18 @@ std::vector<double> gathered(double value, MPI_Comm comm) {
 
 }  // namespace
 
-/// The lists are made anew in the next step, here and after a restart: then all sums run in the same order.
+/// The lists are made anew in the next step, here and after a restart: then all sums run in the same order. With bodies
+/// an epoch begins then, which may share the water out anew, by the lists: here instead, where they still are those of
+/// the last step.
 void Simulation::save(CheckpointContent& content) {
+  if (link_ != nullptr) {
+    if (uneven()) decompose();
+    add_solids(content, link_->checkpoint(decomposition_.own(), time_));
+    double deepest = extremes_.body_penetration;
+    MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    content.numbers["body_penetration"] = deepest;
+  }
+  just_saved_ = true;
   lists_valid_ = false;
   int size = 1;
   MPI_Comm_size(comm_, &size);
@@ -113,6 +132,17 @@ void Simulation::save(CheckpointContent& content) {
   content.tables.push_back({"wall_density", "id, rho/rho0 [-] of wall points where it is not 1", 2, std::move(rows)});
 }
 
+std::vector<std::byte> solid_memory(const CheckpointReader& checkpoint) {
+  const std::int64_t count = checkpoint.rows("solids");
+  std::vector<std::int64_t> numbers(count);
+  checkpoint.read("solids", 0, count, numbers);
+  std::vector<std::byte> memory(checkpoint.count("solid_bytes"));
+  if (memory.size() > 8 * numbers.size())
+    throw coupling::InputError(checkpoint.path().string() + ": is damaged: the solids are incomplete");
+  if (!memory.empty()) std::memcpy(memory.data(), numbers.data(), memory.size());
+  return memory;
+}
+
 /// Every rank reads the densities of all wall points, and takes those of its own.
 void Simulation::restore_wall_density(const CheckpointReader& checkpoint) {
   const std::int64_t count = checkpoint.rows("wall_density");
@@ -164,6 +194,7 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   find_neighbours(time_);
   lists_valid_ = false;  // as after the checkpoint
   started_ = true;
+  just_saved_ = true;
 
   imbalance_ = checkpoint.number("imbalance");
   evened_imbalance_ = checkpoint.number("imbalance_evened");
@@ -171,6 +202,7 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   extremes_.speed = checkpoint.number("extreme_speed");
   extremes_.compression = checkpoint.number("extreme_compression");
   extremes_.pressure = checkpoint.number("extreme_pressure");
+  if (link_ != nullptr) extremes_.body_penetration = checkpoint.number("body_penetration");
   const std::vector<double> motions = checkpoint.list("motions");
   if (motions.size() == 3) own_motions_ = motions_ = {motions[0], motions[1], motions[2]};
   extremes_.shortest_step = checkpoint.number("shortest_step");

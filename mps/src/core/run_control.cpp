@@ -75,4 +75,10 @@ bool RunControl::checkpoint_due(double time, double window, Request agreed) cons
   return every_ > 0 && passed(time) > passed(time - window);
 }
 
+int RunControl::windows_to_checkpoint(double time, double window, int most) const {
+  int count = 1;
+  while (count < most && !checkpoint_due(time + count * window, window, Request::none)) ++count;
+  return count;
+}
+
 }  // namespace embacle::mps

@@ -30,6 +30,8 @@ class RunControl {
   [[nodiscard]] Request agree(MPI_Comm comm) const;
   /// Whether a checkpoint is due after the window that ends at `time`, or asked for.
   [[nodiscard]] bool checkpoint_due(double time, double window, Request agreed) const;
+  /// Windows from `time` on until a checkpoint is due by the simulated time; at most `most`.
+  [[nodiscard]] int windows_to_checkpoint(double time, double window, int most) const;
   void checkpoint_written() { last_checkpoint_ = MPI_Wtime(); }
 
  private:

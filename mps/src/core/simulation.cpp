@@ -396,6 +396,8 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   if (constants_.central_force > 0) central_force_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
+  if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
+  if (bodies_ && scene.coupling.loads == Loads::pressure) surface_loads_.emplace(constants_, *bodies_, walls_.count());
   if (restart != nullptr) {
     restore(*restart);
     return;
@@ -406,8 +408,6 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   warnings_ = std::move(initial.warnings);
   particles_.assign(initial.water);
   adopt_walls(initial.walls);
-  if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
-  if (bodies_ && scene.coupling.loads == Loads::pressure) surface_loads_.emplace(constants_, *bodies_, walls_.count());
   decompose();
 }
 
@@ -415,11 +415,12 @@ int Simulation::begin_epoch(int wanted_windows) {
   if (started_) synchronise();  // also after the last step: its failure must not go unsaid
   int windows = wanted_windows;
   if (link_ != nullptr) {
-    if (wanted_windows > 0 && started_ && uneven()) decompose();
+    if (wanted_windows > 0 && started_ && !just_saved_ && uneven()) decompose();
     const Timer timer(phases_, Phase::coupling);
     coupling::Epoch proposal{wanted_windows, window_length(), time_, false};
     windows = link_->plan(decomposition_.own(), proposal).windows;
     if (windows > 0) {
+      just_saved_ = false;
       bodies_->assign(link_->bodies());
       lists_valid_ = false;
       check_bodies();

@@ -59,7 +59,7 @@ struct Audit {
 
 class Simulation {
  public:
-  /// `link`: null for a scene without bodies. `restart`: continue from there (only without bodies). Collective.
+  /// `link`: null for a scene without bodies. `restart`: continue from there. Collective.
   Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* link, const CheckpointReader* restart = nullptr);
 
   /// Starts an epoch: with solids a new decomposition if the work has become uneven, and a new plan of the coupling.
@@ -75,7 +75,8 @@ class Simulation {
   /// Throws InstabilityError if any rank has found a failure in its last step. Collective.
   void confirm() const;
   /// Adds all that a restart needs, also of the decomposition and the lists: a run continued on as many ranks does bit
-  /// for bit what this one does. Valid until the next window; only without bodies, after a window. Collective.
+  /// for bit what this one does. Valid until the next window; after a window, with bodies after the last one of an
+  /// epoch. Collective, with bodies also for the solids.
   void save(CheckpointContent& content);
 
   [[nodiscard]] double time() const { return time_; }
@@ -181,6 +182,7 @@ class Simulation {
   Motions motions_;              ///< of all ranks, in the step before
   std::int64_t removed_at_start_ = 0;
   bool started_ = false;
+  bool just_saved_ = false;  ///< or just restored: no window since
   std::int64_t earlier_steps_ = 0;
   int requested_ = 0, agreed_request_ = 0;
   std::string failure_;  ///< set by the rank that finds the simulation broken
@@ -191,5 +193,8 @@ class Simulation {
   Audit worst_audit_;
   Phases phases_;
 };
+
+/// What the solids need to continue from a checkpoint: theirs, not read here.
+[[nodiscard]] std::vector<std::byte> solid_memory(const CheckpointReader& checkpoint);
 
 }  // namespace embacle::mps

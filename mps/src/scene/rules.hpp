@@ -464,19 +464,11 @@ class Rules {
 
   /// A run that is cut short from the command line may have pictures after its end: they are just not taken.
   void check_output() {
-    check_checkpoints("output.checkpoint_every", scene_.output.checkpoint_every);
-    check_checkpoints("output.checkpoint_wall", scene_.output.checkpoint_wall);
     if (!context_.sound("run.end_time") || !context_.sound("output.pictures")) return;
     const std::vector<double>& times = scene_.output.pictures;
     if (times.empty() || times.back() <= scene_.end_time || context_.overridden("run.end_time")) return;
     context_.report({"output.pictures"}, number_text(times.back()) + " s is after the end of the run (run.end_time = " +
                                              number_text(scene_.end_time) + " s)");
-  }
-
-  void check_checkpoints(const std::string& path, double interval) {
-    if (interval > 0 && scene_.coupled())
-      context_.report({path, "coupling.script"},
-                      "the scene has solids (coupling.script), whose state no checkpoint holds; allowed: 0");
   }
 
   const Scene& scene_;

@@ -426,7 +426,7 @@ Schema make_schema() {
                     .meaning = "check conservation in every window (costs a reduction over the ranks a window)"},
                    [](Output& x) -> Target { return &x.audit; }},
                   {{.name = "checkpoint_every",
-                    .meaning = "interval of the checkpoints in simulated time; 0: none; not with solids",
+                    .meaning = "interval of the checkpoints in simulated time; 0: none",
                     .quantity = Q::time,
                     .range = not_negative},
                    [](Output& x) -> Target { return &x.checkpoint_every; }},

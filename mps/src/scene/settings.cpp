@@ -136,6 +136,12 @@ std::string lasting_settings(const Scene& scene) {
     append(lines, all.wall, "wall." + wall.name, wall);
     if (wall.motion) append(lines, all.motion, "wall." + wall.name + ".motion", *wall.motion);
   }
+  if (copy.coupled()) {
+    copy.coupling.script = copy.coupling.script.filename();  // the scene may have moved as a whole
+    append(lines, all.coupling, "coupling", copy.coupling);
+    for (const auto& [name, value] : copy.coupling.variables)
+      lines += "coupling.variables." + name + " = " + value + "\n";
+  }
   return lines;
 }
 

@@ -302,10 +302,6 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
        "numerics.integrator: symplectic is for scenes without solids (coupling.script)"},
       {"turbulence = \"smagorinsky\"", "turbulence = \"none\"",
        "numerics.smagorinsky: belongs to turbulence = \"smagorinsky\""},
-      {"checkpoint_every = 0", "checkpoint_every = 1",
-       "scene.toml:97: output.checkpoint_every: the scene has solids (coupling.script), whose state no checkpoint "
-       "holds"},
-      {"checkpoint_wall = 0", "checkpoint_wall = 1", "scene.toml:98: output.checkpoint_wall: the scene has solids"},
       {"pictures = [1,", "pictures = [3,", "output.pictures: 3 s is after the end of the run (run.end_time = 2 s)"},
   };
   ASSERT_EQ(error(full_), "");

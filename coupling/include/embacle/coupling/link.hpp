@@ -3,6 +3,7 @@
 // Legal order of calls (fluid on the left, solid on the right; "=" marks calls that all ranks of both sides make
 // together, "->" and "<-" are point-to-point messages between the ranks of the plan only):
 //
+//                                       receive_memory(...)         what the solids gave in a checkpoint, if any
 //     FluidLink(...)                 =  SolidLink(...)              handshake: units, gravity, shapes, terms
 //     while not finished:
 //       plan(region, ...)            =  plan(region, bodies)        one epoch: who talks to whom, for how many windows
@@ -11,10 +12,19 @@
 //         send_loads                 -> parallel: (advance the solids), send_states, receive_loads
 //         receive_states             <-
 //
+// Instead of a plan the fluid may ask for a checkpoint; both sides then plan again:
+//
+//       checkpoint(region, time)     =  plan(region, bodies)        gives an epoch without windows, `checkpoint` set
+//                                       give_memory(...)            all that the solids need to continue from here
+//
+// The fluid keeps that memory in its own checkpoint and gives it back, through its FluidLink, to the solids of a run
+// that continues from there. So there is one file, of one moment of both sides.
+//
 // A rank without partners in the epoch sends and receives nothing. In the parallel scheme both sides compute at the
 // same time and the solid uses the loads of the window before (zero-th: the load at the start, sent by send_loads
 // before the first window: see `FluidTerms::scheme`). That first pair, send_loads and receive_loads directly after the
-// first plan, comes once in a run; later epochs of the parallel scheme start with the last loads of the epoch before.
+// first plan, comes once in a run; later epochs of the parallel scheme, and runs that continue, start with the last
+// loads of the epoch before.
 //
 // Bodies: a body is planned at the fluid ranks that its surface can reach and at the solid ranks to which it can
 // migrate within the epoch; regions must not change within an epoch. A body inserted within an epoch is unknown to the
@@ -29,11 +39,13 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "embacle/coupling/shape.hpp"
@@ -41,7 +53,7 @@
 
 namespace embacle::coupling {
 
-inline constexpr int protocol_version = 2;
+inline constexpr int protocol_version = 3;
 
 enum class Role : int { fluid = 0, solid = 1 };
 enum class Scheme : int { serial = 0, parallel = 1 };
@@ -71,11 +83,12 @@ struct FluidTerms {
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
   int dimension = 3;
   Scheme scheme = Scheme::serial;
-  double particle_distance = 0;  ///< l0 [m]: spacing of the points at which surface pressures are given
-  double point_depth = 0;        ///< depth [m] of body points that the fluid uses
-  double reach = 0;              ///< distance [m] from a body's surface within which a fluid rank must know it
-  double reference_speed = 0;    ///< largest speed expected [m/s]; bounds how far a body moves in an epoch
-  double fluid_density = 0;      ///< [kg/m^3]
+  double particle_distance = 0;     ///< l0 [m]: spacing of the points at which surface pressures are given
+  double point_depth = 0;           ///< depth [m] of body points that the fluid uses
+  double reach = 0;                 ///< distance [m] from a body's surface within which a fluid rank must know it
+  double reference_speed = 0;       ///< largest speed expected [m/s]; bounds how far a body moves in an epoch
+  double fluid_density = 0;         ///< [kg/m^3]
+  std::int64_t windows_before = 0;  ///< done before the checkpoint from which the run continues
 };
 
 /// What the solid states at the handshake and the fluid must accept.
@@ -89,10 +102,10 @@ struct SolidTerms {
 
 /// Terms of an epoch, agreed by `plan`.
 struct Epoch {
-  int windows = 0;          ///< number of windows until the next plan; 0: the run is finished
+  int windows = 0;          ///< number of windows until the next plan; 0: the run is finished, unless `checkpoint`
   double window = 0;        ///< length of each window [s]
   double time = 0;          ///< time at the start of the epoch [s]
-  bool checkpoint = false;  ///< both sides write a checkpoint now
+  bool checkpoint = false;  ///< the solids give what they need to continue from here, then plan again
 };
 
 /// Counted since the start, on this rank.
@@ -127,7 +140,9 @@ using YieldHook = std::function<void()>;
 class FluidLink {
  public:
   /// Handshake; collective over all ranks of both sides. Throws InputError on a mismatch, on every rank, naming both.
-  FluidLink(const Participants& participants, MPI_Comm own, const FluidTerms& terms, YieldHook yield = {});
+  /// `memory`: what checkpoint() returned, on rank 0, if the run continues from there.
+  FluidLink(const Participants& participants, MPI_Comm own, const FluidTerms& terms, YieldHook yield = {},
+            std::span<const std::byte> memory = {});
   ~FluidLink();
   FluidLink(FluidLink&&) noexcept;
 
@@ -137,6 +152,10 @@ class FluidLink {
   /// would like (0: finish), the window's length and time; the solid side may shorten `windows` so that no body moves
   /// farther than the margin. Afterwards bodies() holds the bodies within reach of `region`.
   Epoch plan(const Box& region, const Epoch& proposal);
+
+  /// Between epochs: what the solids need to continue from this moment, on rank 0 (elsewhere nothing). The next call is
+  /// plan or checkpoint. Collective over all ranks of both sides.
+  [[nodiscard]] std::vector<std::byte> checkpoint(const Box& region, double time);
 
   [[nodiscard]] const std::vector<FluidBody>& bodies() const;
   /// Largest distance [m] that a body may move during the epoch (plans include it).
@@ -165,6 +184,14 @@ struct SolidBody {
   State state;
 };
 
+/// What the solids gave in the checkpoint from which the run continues.
+struct SolidMemory {
+  bool there = false;            ///< the run continues; known on all ranks
+  std::vector<std::byte> bytes;  ///< on rank 0 of the solids
+};
+/// The solid side calls this once, before its SolidLink. Collective over the solids.
+SolidMemory receive_memory(const Participants& participants, MPI_Comm own, const YieldHook& yield = {});
+
 class SolidLink {
  public:
   SolidLink(const Participants& participants, MPI_Comm own, const SolidTerms& terms, YieldHook yield = {});
@@ -175,6 +202,12 @@ class SolidLink {
 
   /// New plan; collective. `region`: this rank's subdomain (bodies with their centre in it are owned here).
   Epoch plan(const Box& region, std::span<const SolidBody> owned);
+
+  /// After a plan with `checkpoint`: rank 0's memory is that of the side. Collective over the solids.
+  void give_memory(std::span<const std::byte> memory);
+  /// The loads last applied, by body; for a run that continues, and after a checkpoint (bodies may have moved to other
+  /// ranks).
+  void take_up_loads(std::span<const std::pair<BodyTag, Load>> loads);
 
   /// Waits for the loads of the window from all fluid ranks in the plan.
   void receive_loads();
