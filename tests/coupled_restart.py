@@ -157,7 +157,7 @@ class OtherRanks(CoupledRestart):
     def test_blocks_in_contact_three_windows_later(self):
         self.compare("0.0311")
 
-    def test_blocks_that_meet_140_windows_later(self):
+    def test_blocks_apart_140_windows_later(self):
         shutil.copy(support.SMALL_TANK / "in.blocks", self.scene / "in.blocks")
         self.compare("0.08")
 

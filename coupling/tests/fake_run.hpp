@@ -33,6 +33,8 @@ struct Scenario {
   Scheme scheme = Scheme::serial;
   int windows = 60;
   int pressures_every = 0;
+  bool checkpoints = false;     ///< between all epochs
+  int memory = 0;               ///< bytes of the checkpoint from which the run continues
   double stated_reach = reach;  ///< larger than `reach`: bodies are shared by more fluid ranks than feel them [m]
   std::vector<SolidBody> bodies;
   std::vector<Event> events;
@@ -155,6 +157,13 @@ inline SolidTerms solid_terms(const Scenario& scenario) {
   return terms;
 }
 
+/// What the solids give in a checkpoint, on rank 0.
+inline std::vector<std::byte> memory_of(int rank, int size) {
+  std::vector<std::byte> bytes(rank == 0 ? static_cast<std::size_t>(size) : 0);
+  for (std::size_t k = 0; k < bytes.size(); ++k) bytes[k] = static_cast<std::byte>(k * k + bytes.size());
+  return bytes;
+}
+
 inline int rank_of(MPI_Comm comm) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
@@ -188,7 +197,7 @@ inline void check_sums(FluidLink& link, int rank) {
 
 inline void run_fluid(const Scenario& scenario, const Participants& who, MPI_Comm own, const YieldHook& yield,
                       Seen& seen) {
-  FluidLink link(who, own, fluid_terms(scenario), yield);
+  FluidLink link(who, own, fluid_terms(scenario), yield, memory_of(rank_of(own), scenario.memory));
   EXPECT_EQ(link.solid().shapes.size(), 3u);
   EXPECT_EQ(link.solid().shapes.at(1).name, "ball");
   const Shape &wedge = link.solid().shapes.at(2), stated = solid_terms(scenario).shapes.at(2);
@@ -217,6 +226,7 @@ inline void run_fluid(const Scenario& scenario, const Participants& who, MPI_Com
     const int wanted = std::min(7, scenario.windows - done);
     const Epoch epoch = link.plan(region, {.windows = wanted, .window = window, .time = done * window});
     if (epoch.windows == 0) break;
+    EXPECT_FALSE(epoch.checkpoint);
     EXPECT_LE(epoch.windows, wanted);
     EXPECT_GE(link.margin(), 4 * 0.05);
     seen.epochs.push_back(epoch.windows);
@@ -240,6 +250,10 @@ inline void run_fluid(const Scenario& scenario, const Participants& who, MPI_Com
         }
       }
     }
+    if (!scenario.checkpoints) continue;
+    MPI_Barrier(own);
+    EXPECT_EQ(link.checkpoint(region, done * window), memory_of(rank, 100000 * done));
+    MPI_Barrier(own);  // as writing it
   }
   EXPECT_EQ(done, scenario.windows);
   MPI_Barrier(own);  // work after the end, as writing results
@@ -271,6 +285,12 @@ inline void check_pressures(const SolidLink& link, const std::map<BodyTag, State
 
 inline void run_solid(const Scenario& scenario, const Participants& who, MPI_Comm own, const YieldHook& yield,
                       Seen& seen) {
+  if (scenario.memory > 0) {
+    const SolidMemory memory = receive_memory(who, own, yield);
+    EXPECT_TRUE(memory.there);
+    EXPECT_EQ(memory.bytes, memory_of(rank_of(own), scenario.memory));
+    MPI_Barrier(own);
+  }
   SolidLink link(who, own, solid_terms(scenario), yield);
   const Box region = slab(rank_of(own), size_of(own));
   const int fluid_ranks = static_cast<int>(who.fluid_ranks.size());
@@ -337,6 +357,25 @@ inline void run_solid(const Scenario& scenario, const Participants& who, MPI_Com
 
   for (bool first = true;; first = false) {
     const Epoch epoch = link.plan(region, owned());
+    if (epoch.checkpoint) {
+      EXPECT_EQ(epoch.windows, 0);
+      EXPECT_THROW((void)link.plan(region, owned()), std::logic_error);
+      MPI_Barrier(own);
+      link.give_memory(memory_of(rank_of(own), 100000 * done));
+      EXPECT_THROW(link.give_memory({}), std::logic_error);
+      std::vector<std::pair<BodyTag, Load>> loads;
+      for (const auto& [tag, body] : all) {
+        double numbers[6] = {};
+        if (region.contains(body.state.position)) {
+          const Load load = link.load(tag);
+          Eigen::Map<Eigen::Matrix<double, 6, 1>>(numbers) << load.force, load.torque;
+        }
+        MPI_Allreduce(MPI_IN_PLACE, numbers, 6, MPI_DOUBLE, MPI_SUM, own);
+        loads.push_back({tag, {Vec3(numbers), Vec3(numbers + 3)}});
+      }
+      link.take_up_loads(loads);
+      continue;
+    }
     if (epoch.windows == 0) break;
     seen.epochs.push_back(epoch.windows);
     note_states();

@@ -127,6 +127,27 @@ TEST_P(Exchange, SurfacePressuresComeWhenDue) {
   }
 }
 
+TEST_P(Exchange, CheckpointsBetweenEpochsChangeNothing) {
+  Scenario scenario = crossing();
+  scenario.scheme = GetParam();
+  scenario.checkpoints = true;
+  scenario.memory = 3000000;
+  for (const int division : divisions()) {
+    SCOPED_TRACE(testing::Message() << "solid ranks " << division);
+    const Result result = fake::run(scenario, division);
+    expect_follows(scenario, result, fluid_ranks_of(division));
+  }
+}
+
+TEST(Checkpoint, SolidsThatCannotContinueAreRefused) {
+  if (fake::size_of(MPI_COMM_WORLD) > 1) GTEST_SKIP() << "one rank finds it, and ends the run";
+  Scenario scenario;
+  scenario.memory = 10;
+  const auto without_memory = [](const Scenario& all, const Participants& who, MPI_Comm own, const YieldHook& yield,
+                                 fake::Seen&) { SolidLink(who, own, fake::solid_terms(all), yield); };
+  EXPECT_THROW(fake::run(scenario, 0, fake::run_fluid, without_memory), InputError);
+}
+
 TEST_P(Exchange, NoBodiesNoMessages) {
   Scenario scenario;
   scenario.scheme = GetParam();

@@ -133,7 +133,7 @@ void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants
   // Where a run goes on after a checkpoint, it must go the way of one that continues from it.
   const auto go_on = [&] {
     fix->take_up_forces();
-    link.take_up_loads(fix->loads());
+    link.take_up_loads(fix->kept_loads());
     outlook.emplace(lammps, fix->multisphere(), fix->rule());
   };
   if (fix->continues()) {

@@ -23,6 +23,9 @@ namespace {
 /// A vector stored as three numbers.
 Eigen::Map<Vec3> at(double* numbers) { return Eigen::Map<Vec3>(numbers); }
 
+/// Numbers that a checkpoint keeps of a body: its tag and eight vectors.
+constexpr std::size_t kept_width = 1 + 3 * 8;
+
 }  // namespace
 
 FixCoupleMps::FixCoupleMps(LAMMPS* lammps, int argc, char** argv) : Fix(lammps, argc, argv) {
@@ -337,21 +340,20 @@ void FixCoupleMps::take_up_forces() {
 }
 
 std::vector<std::pair<int, const double*>> FixCoupleMps::kept_of_own() const {
-  constexpr std::size_t width = 1 + 3 * 8;
   Multisphere& data = multisphere_->data();
   std::vector<std::pair<int, const double*>> found;
-  for (std::size_t row = 0; row + width <= kept_.bodies.size(); row += width) {
+  for (std::size_t row = 0; row + kept_width <= kept_.bodies.size(); row += kept_width) {
     const int i = data.map(static_cast<int>(kept_.bodies[row]));
     if (i >= 0) found.emplace_back(i, kept_.bodies.data() + row + 1);
   }
   return found;
 }
 
-std::vector<std::pair<coupling::BodyTag, coupling::Load>> FixCoupleMps::loads() const {
-  Multisphere& data = multisphere_->data();
+std::vector<std::pair<coupling::BodyTag, coupling::Load>> FixCoupleMps::kept_loads() const {
   std::vector<std::pair<coupling::BodyTag, coupling::Load>> result;
-  for (int i = 0; i < data.n_body(); ++i) {
-    result.push_back({data.tag(i), {at((*force_)(i)), at((*torque_)(i))}});
+  for (std::size_t row = 0; row + kept_width <= kept_.bodies.size(); row += kept_width) {
+    const double* values = kept_.bodies.data() + row;
+    result.push_back({static_cast<coupling::BodyTag>(values[0]), {Vec3(values + 1), Vec3(values + 4)}});
   }
   return result;
 }

@@ -55,8 +55,8 @@ class FixCoupleMps : public LAMMPS_NS::Fix {
   /// After the set-up of a run that continues, and of one that has written a checkpoint: the sums of force and torque
   /// are those of the last step. The set-up makes them with velocities that are half a step younger.
   void take_up_forces();
-  /// The loads last applied to the bodies of this rank.
-  [[nodiscard]] std::vector<std::pair<coupling::BodyTag, coupling::Load>> loads() const;
+  /// The loads on all bodies at that moment.
+  [[nodiscard]] std::vector<std::pair<coupling::BodyTag, coupling::Load>> kept_loads() const;
   /// Numbers of the caller that a checkpoint keeps.
   std::vector<double> progress;
 

@@ -205,8 +205,8 @@ class SolidLink {
 
   /// After a plan with `checkpoint`: rank 0's memory is that of the side. Collective over the solids.
   void give_memory(std::span<const std::byte> memory);
-  /// The loads last applied, by body; for a run that continues, and after a checkpoint (bodies may have moved to other
-  /// ranks).
+  /// The loads last received, by body, in a run that continues and after a checkpoint: of all bodies that can be owned
+  /// here in the next epoch, most simply of all.
   void take_up_loads(std::span<const std::pair<BodyTag, Load>> loads);
 
   /// Waits for the loads of the window from all fluid ranks in the plan.
