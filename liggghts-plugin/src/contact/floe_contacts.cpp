@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "contact/near_pairs.hpp"
+#include "contact/stored_energy.hpp"
 #include "fix_floe_create.hpp"
 #include "stock_access.hpp"
 
@@ -51,6 +52,16 @@ int main_direction(const Vec3& normal) {
   int axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
   return 2 * axis + (normal[axis] < 0 ? 1 : 0);
+}
+
+double in_springs(const ContactMemory& memory) {
+  if (memory.touching == 0) return 0;
+  double energy = 0;
+  if (memory.spring_stiffness > 0) {
+    for (const double part : memory.spring) energy += 0.5 * part * part / memory.spring_stiffness;
+  }
+  if (memory.twist_stiffness > 0) energy += 0.5 * memory.twist * memory.twist / memory.twist_stiffness;
+  return energy;
 }
 
 }  // namespace
@@ -349,6 +360,33 @@ void FloeContacts::press_mesh(WallPair& pair, const PosedShape& shape, std::arra
   for (int direction = 0; direction < 6; ++direction) {
     if (weights[direction] > 0) motions[direction].velocity /= weights[direction];
   }
+}
+
+FloeContacts::Energy FloeContacts::stored_energy() const {
+  Energy energy;
+  for (const Pair& pair : pairs_) {
+    if (pair.memory.touching == 0 || bodies_[pair.first].local < 0) continue;
+    const Body& first = bodies_[pair.first];
+    const Body& second = bodies_[pair.second];
+    const PosedShape a = posed(first, first.motion.position);
+    PosedShape b = posed(second, first.motion.position);
+    b.position = nearest_image(b.position);
+    energy.pressure += liggghts::stored_energy(a, b);
+    energy.friction += in_springs(pair.memory);
+  }
+  for (const WallPair& pair : wall_pairs_) {
+    const Wall& wall = walls_[pair.wall];
+    if (wall.mesh) throw InputError(fmt::format("{}: the energy in contacts with meshes is not known", model));
+    if (pair.memory[0].touching == 0) continue;
+    const Body& body = bodies_[pair.body];
+    PosedShape shape = posed(body, body.motion.position);
+    shape.hardness *= wall_share(materials_[body.shape].atom_type, wall.atom_type);
+    const double height = body.motion.position[wall.axis] - wall.place;
+    const Vec3 normal = height < 0 ? Vec3(-Vec3::Unit(wall.axis)) : Vec3(Vec3::Unit(wall.axis));
+    energy.pressure += stored_energy_at_plane(shape, -std::abs(height) * normal, normal);
+    energy.friction += in_springs(pair.memory[0]);
+  }
+  return energy;
 }
 
 void FloeContacts::update() {

@@ -39,6 +39,15 @@ class FloeContacts {
   /// Half a period [s] of the stiffest contact that two bodies of any shapes, or one and a wall, can have.
   [[nodiscard]] double shortest_contact_time() const;
 
+  /// What all contacts store at present, of the places of the last step [J].
+  struct Energy {
+    double pressure = 0;  ///< between bodies and with planes
+    double friction = 0;  ///< in the springs of friction
+  };
+  /// Of the contacts whose first body is this rank's. Throws InputError if there are meshes: the energy at their
+  /// triangles is not known.
+  [[nodiscard]] Energy stored_energy() const;
+
   /// What there is to remember between runs: on rank 0 of all ranks, elsewhere nothing. Collective.
   struct Memory {
     std::vector<double> contacts;  ///< ContactMemory of each pair that touches, with its key
