@@ -209,7 +209,7 @@ struct Heap : Solids {
                            10 * b + 5);
     }
     words +=
-        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.5 0.1 0.2 velocity 1 0 0"
+        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.65 0.1 0.2 velocity 1 0 0"
         " shape disc 0.1 0.08 density 900 spheres 10 position 0.5 -0.1 0.2 velocity -1 0.1 0 omega 5 0 3";
     prepare("5e7", "floe", 0.5, 0.4, restart_file);
     run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0"});

@@ -24,7 +24,7 @@ using coupling::Vec3;
 namespace {
 
 const std::string model = "pair_style gran model floe";
-constexpr int state_size = 13;  // position, orientation, velocity, angular velocity
+constexpr int state_size = 14;  // position, orientation, velocity, angular velocity, contacts
 
 FixPropertyGlobal* find_property(LAMMPS* lammps, const char* name, const char* kind) {
   const int types = lammps->atom->ntypes;
@@ -68,6 +68,9 @@ double in_springs(const ContactMemory& memory) {
 
 void FloeContacts::prepare() {
   multisphere_ = find_multisphere(lammps_, model);
+  if (!(lammps_->update->dt > 0)) {
+    throw InputError(fmt::format("{}: the time step must be positive, not {} s", model, lammps_->update->dt));
+  }
   const auto shapes = floe_shapes(lammps_);
   materials_.clear();
   const int types = lammps_->atom->ntypes;
@@ -87,6 +90,11 @@ void FloeContacts::prepare() {
             "allowed are 0 to 1, and 0 or more",
             model, e, mu, i + 1, j + 1));
       }
+      if (e < least_restitution && j <= i && lammps_->comm->me == 0) {
+        lammps_->error->warning(FLERR, fmt::format("{}: coefficientRestitution {} of the types {} and {} acts as {}",
+                                                   model, e, i + 1, j + 1, least_restitution)
+                                           .c_str());
+      }
       contact_materials_[i][j] =
           ContactMaterial::with(e, mu, 0.5 * (poisson->get_values()[i] + poisson->get_values()[j]));
     }
@@ -103,6 +111,8 @@ void FloeContacts::prepare() {
     for (const auto& face : material.shape.faces) material.face = std::max(material.face, face.area);
     materials_.push_back(std::move(material));
   }
+  thinnest_ = std::numeric_limits<double>::infinity();
+  for (const Material& of : materials_) thinnest_ = std::min(thinnest_, of.shape.thickness);
   find_walls();
   built_ = -1;
 }
@@ -184,6 +194,7 @@ void FloeContacts::refresh() {
     bodies.quat(q.data(), body.local);
     body.orientation = coupling::Quaternion(q[0], q[1], q[2], q[3]);
   }
+  count_contacts();
   share_states();
   for (Body& body : bodies_) {
     const Material& of = materials_[body.shape];
@@ -191,6 +202,17 @@ void FloeContacts::refresh() {
     body.fastest = body.motion.velocity.norm() + body.motion.angular_velocity.norm() * of.shape.reach;
     body.motion.inverse_mass = 1 / of.mass;
     body.motion.inverse_inertia = body.axes * of.inertia.cwiseInverse().asDiagonal() * body.axes.transpose();
+  }
+}
+
+void FloeContacts::count_contacts() {
+  for (std::size_t b = 0; b < owned_; ++b) bodies_[b].contacts = 0;
+  for (const Pair& pair : pairs_) {
+    bodies_[pair.first].contacts += pair.memory.touching;
+    bodies_[pair.second].contacts += pair.memory.touching;
+  }
+  for (const WallPair& pair : wall_pairs_) {
+    for (const ContactMemory& memory : pair.memory) bodies_[pair.body].contacts += memory.touching;
   }
 }
 
@@ -205,6 +227,7 @@ void FloeContacts::share_states() {
         exchange.sent.insert(exchange.sent.end(), vector->data(), vector->data() + 3);
       }
       exchange.sent.insert(exchange.sent.end(), body.orientation.coeffs().data(), body.orientation.coeffs().data() + 4);
+      exchange.sent.push_back(body.contacts);
     }
     constexpr int label = 7301;
     requests.resize(requests.size() + 2);
@@ -224,6 +247,7 @@ void FloeContacts::share_states() {
       }
       body.orientation.coeffs() = Eigen::Map<const Eigen::Vector4d>(at);
       at += 4;
+      body.contacts = *at++;
     }
   }
 }
@@ -250,8 +274,7 @@ void FloeContacts::check(const Patch& patch, double inverse_mass, double strengt
   constexpr double coarsest = 0.5;  // six steps a contact; beyond 2 the integration explodes
   constexpr double deepest = 0.8;   // of the way to the middle of a body, beyond which it is pushed out at the back
   if (step * frequency <= coarsest && pressure <= deepest * strength) return;
-  const std::string who = other > 0 ? fmt::format("the bodies {} and {}", body, other)
-                                    : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
+  const std::string who = names_of(body, other);
   if (pressure > deepest * strength) {
     throw coupling::InstabilityError(fmt::format(
         "{}: at step {} {} press into each other almost to the middle, with {:.3g} Pa: youngsModulus is too "
@@ -263,6 +286,45 @@ void FloeContacts::check(const Patch& patch, double inverse_mass, double strengt
       "most {:.3g} s, better {:.1g} s; or a lower youngsModulus",
       model, lammps_->update->ntimestep, step, who, std::numbers::pi / frequency, coarsest / frequency,
       std::numbers::pi / 20 / frequency));
+}
+
+std::string FloeContacts::names_of(BodyTag body, BodyTag other) const {
+  return other > 0 ? fmt::format("the bodies {} and {}", body, other)
+                   : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
+}
+
+void FloeContacts::check_first_touch(const Patch& patch, double hardness, double way, double size, BodyTag body,
+                                     BodyTag other) const {
+  double pressure = 0;
+  for (const auto& place : patch.places) pressure = std::max(pressure, place.pressure);
+  constexpr double rounding = 2e-3;  // of a body's size: the flat sides of a mantle
+  if (pressure / hardness <= 3 * way + rounding * size) return;
+  throw coupling::InstabilityError(fmt::format(
+      "{}: at step {} {} overlap by {:.3g} m all at once, more than their speed explains: were they created in each "
+      "other?",
+      model, lammps_->update->ntimestep, names_of(body, other), pressure / hardness));
+}
+
+void FloeContacts::check_way(double gap, double way, double thickness, BodyTag body, BodyTag other) const {
+  if (gap >= way || way <= 0.5 * thickness) return;
+  throw coupling::InstabilityError(
+      fmt::format("{}: at step {} {} could pass through each other unseen: they approach by up to {:.3g} m in a time "
+                  "step of {:.3g} s, more than half the thickness of {:.3g} m",
+                  model, lammps_->update->ntimestep, names_of(body, other), way, lammps_->update->dt, thickness));
+}
+
+void FloeContacts::check_ways() const {
+  // Who is not in the lists is farther than two skins.
+  const double most = std::max(lammps_->neighbor->skin, 0.5 * thinnest_);
+  for (std::size_t b = 0; b < owned_; ++b) {
+    const double way = bodies_[b].fastest * lammps_->update->dt;
+    if (way <= most) continue;
+    throw coupling::InstabilityError(
+        fmt::format("{}: at step {} body {} moves by up to {:.3g} m in a time step of {:.3g} s, more than the skin of "
+                    "'neighbor' and "
+                    "half the thickness of a body: it could pass through others unseen",
+                    model, lammps_->update->ntimestep, bodies_[b].tag, way, lammps_->update->dt));
+  }
 }
 
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
@@ -284,18 +346,25 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
   } else {
     pair.clear = apart.norm() - reach;
   }
+  const double way = (first.fastest + second.fastest) * lammps_->update->dt;
+  const Material &material_a = materials_[first.shape], &material_b = materials_[second.shape];
   if (patch_.empty()) {
     pair.memory.touching = 0;
+    check_way(pair.clear, way, std::min(material_a.shape.thickness, material_b.shape.thickness), first.tag, second.tag);
     return;
+  }
+  if (pair.memory.touching == 0) {
+    check_first_touch(patch_, material_a.hardness * material_b.hardness / (material_a.hardness + material_b.hardness),
+                      way, std::min(material_a.shape.reach, material_b.shape.reach), first.tag, second.tag);
   }
   check(patch_, first.motion.inverse_mass + second.motion.inverse_mass,
         std::min(strength(first.shape), strength(second.shape)), first.tag, second.tag);
   RigidMotion of_first = first.motion, of_second = second.motion;
   of_first.position = Vec3::Zero();
   of_second.position = apart;
-  const auto load = contact_force(patch_, of_first, of_second,
-                                  material(materials_[first.shape].atom_type, materials_[second.shape].atom_type),
-                                  lammps_->update->dt, advance, pair.memory);
+  const auto load = contact_force(
+      patch_, of_first, of_second, material(materials_[first.shape].atom_type, materials_[second.shape].atom_type),
+      {lammps_->update->dt, gravity_, std::max(first.contacts, second.contacts)}, advance, pair.memory);
   add(first, load.force, load.torque);
   add(second, -load.force, -(load.torque - apart.cross(load.force)));
 }
@@ -323,13 +392,22 @@ void FloeContacts::compute_wall(WallPair& pair, bool advance) {
   motion.position = Vec3::Zero();
   for (int direction = 0; direction < 6; ++direction) {
     ContactMemory& memory = pair.memory[direction];
+    const double way = (body.fastest + wall.velocity.norm()) * lammps_->update->dt;
+    const ConvexShape& of = materials_[body.shape].shape;
     if (patches[direction].empty()) {
       memory.touching = 0;
+      if (!wall.mesh && direction == 0) {
+        check_way(std::abs(body.motion.position[wall.axis] - wall.place) - of.reach, way, of.thickness, body.tag,
+                  -1 - pair.wall);
+      }
       continue;
+    }
+    if (!wall.mesh && memory.touching == 0) {
+      check_first_touch(patches[direction], shape.hardness, way, of.reach, body.tag, -1 - pair.wall);
     }
     check(patches[direction], body.motion.inverse_mass, strength(body.shape) * share, body.tag, -1 - pair.wall);
     const auto load = contact_force(patches[direction], motion, motions[direction], material(type, wall.atom_type),
-                                    lammps_->update->dt, advance, memory);
+                                    {lammps_->update->dt, gravity_, body.contacts}, advance, memory);
     add(body, load.force, load.torque);
   }
 }
@@ -395,6 +473,7 @@ void FloeContacts::update() {
     built_ = lammps_->neighbor->ncalls;
   }
   refresh();
+  check_ways();
 }
 
 void FloeContacts::compute_all(bool advance) {

@@ -65,7 +65,8 @@ class FloeContacts {
     coupling::Quaternion orientation = coupling::Quaternion::Identity();
     coupling::Mat3 axes = coupling::Mat3::Identity();
     RigidMotion motion;
-    double fastest = 0;  ///< bound of the speed of its places [m/s]
+    double contacts = 0;  ///< that it had at the last step
+    double fastest = 0;   ///< bound of the speed of its places [m/s]
   };
   /// What a shape brings into contacts.
   struct Material {
@@ -102,6 +103,7 @@ class FloeContacts {
   void find_walls();
   void find_owned();
   void build_lists();
+  void count_contacts();
   void share_states();
   void refresh();
   void find_wall_pairs(double margin);
@@ -116,6 +118,14 @@ class FloeContacts {
   /// that a body can have; `other`: a body or -1 - wall.
   void check(const Patch& patch, double inverse_mass, double strength, coupling::BodyTag body,
              coupling::BodyTag other) const;
+  /// Throws InstabilityError if a new contact is deeper than the speed of approach can explain. `hardness`: of the
+  /// springs in a row; `way`: at most, in a step [m].
+  void check_first_touch(const Patch& patch, double hardness, double way, double size, coupling::BodyTag body,
+                         coupling::BodyTag other) const;
+  /// Throws InstabilityError if bodies could pass through each other, or a plane, within a step.
+  void check_way(double gap, double way, double thickness, coupling::BodyTag body, coupling::BodyTag other) const;
+  void check_ways() const;
+  [[nodiscard]] std::string names_of(coupling::BodyTag body, coupling::BodyTag other) const;
   /// Pressure [Pa] in the middle of a shape.
   [[nodiscard]] double strength(int shape) const {
     return 0.5 * materials_[shape].hardness * materials_[shape].shape.thickness;
@@ -132,6 +142,8 @@ class FloeContacts {
   LAMMPS_NS::LAMMPS* lammps_;
   LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
   std::vector<Material> materials_;                              ///< by shape
+  double gravity_ = 0;                                           ///< [m/s^2]
+  double thinnest_ = 0;                                          ///< of the shapes [m]
   std::vector<double> young_;                                    ///< by atom type
   std::vector<std::vector<ContactMaterial>> contact_materials_;  ///< by atom types
   std::vector<Wall> walls_;
