@@ -117,7 +117,7 @@ class Table:
     def __init__(self, context):
         self.context, self.silent, self.count, self.seconds = context, 0, 0, 0.0
         context.note("Energy: of that at the start; elastic impacts: largest change, others: largest rise over the least before. "
-                     "Penetration: of the thickness. Cost: of a step and body, of runs of one and two bodies.")
+                     "Penetration: of the thickness. Cost: of a step and body, the writing of both records included.")
         context.note("")
         context.note("| setting | time step [s] | energy error | penetration | cost [us] | outcome |")
         context.note("|---|---|---|---|---|---|")
@@ -333,5 +333,5 @@ def measure(context):
     yield from sizes_apart(context, effort, table)
     yield from ranks(context, effort, table)
     yield from wrong(context, table)
-    yield Bar(f"silent wrong answers, crashes and unclear messages in {table.count} settings", table.silent, 0, 0, "settings",
+    yield Bar(f"silent wrong answers, crashes and unclear messages in {table.count} settings", float(table.silent), 0, 0, "settings",
               table.seconds, "right, or stopped in words")
