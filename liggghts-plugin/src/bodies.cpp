@@ -166,6 +166,14 @@ std::vector<SolidBody> owned_bodies(LAMMPS* lammps, FixMultisphere* multisphere)
   return result;
 }
 
+Vec3 gravity_of(LAMMPS* lammps) {
+  Vec3 acceleration = Vec3::Zero();
+  if (auto* fix = static_cast<FixGravity*>(lammps->modify->find_fix_style_strict("gravity", 0))) {
+    fix->get_gravity(acceleration.data());
+  }
+  return acceleration;
+}
+
 std::vector<double> gather_on_all(MPI_Comm world, const std::vector<double>& mine) {
   int ranks = 0;
   MPI_Comm_size(world, &ranks);

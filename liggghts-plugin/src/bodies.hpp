@@ -29,6 +29,9 @@ std::vector<coupling::SolidBody> owned_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_
 /// The states of all bodies on all ranks, by ascending tag. Collective; meant for set-up, not for time steps.
 std::vector<coupling::SolidBody> gather_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere);
 
+/// Of the script's fix gravity, zero without one [m/s^2].
+coupling::Vec3 gravity_of(LAMMPS_NS::LAMMPS* lammps);
+
 /// The numbers of all ranks one after another, on every rank. Collective.
 std::vector<double> gather_on_all(MPI_Comm world, const std::vector<double>& mine);
 

@@ -1,4 +1,4 @@
-// fix floe/record: motion and forces of the bodies as a CSV file.
+// fix floe/record: motion and forces of the bodies, and their energies, as CSV files.
 #pragma once
 
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 namespace embacle::liggghts {
 
-/// Writes a line a body every so many steps. Manual: docs/liggghts.
+/// Writes a line a body, and one of energies, every so many steps. Manual: docs/liggghts.
 class FixFloeRecord : public LAMMPS_NS::Fix {
  public:
   FixFloeRecord(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv);
@@ -20,11 +20,20 @@ class FixFloeRecord : public LAMMPS_NS::Fix {
   void end_of_step() override;
 
  private:
+  struct Table {
+    std::string name;
+    std::FILE* file = nullptr;  ///< on the first rank
+    bool wanted = false;        ///< on all ranks
+  };
+  void open(Table& table, const char* head) const;
+  void close_line(const Table& table) const;
   void write();
+  void write_bodies();
+  void write_energies();
 
-  std::string where_, file_name_;
+  std::string where_;
+  Table motions_, energies_;
   LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
-  std::FILE* file_ = nullptr;  ///< on the first rank
   LAMMPS_NS::bigint written_ = -1;
 };
 

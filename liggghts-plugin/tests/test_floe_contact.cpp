@@ -209,7 +209,7 @@ struct Heap : Solids {
                            10 * b + 5);
     }
     words +=
-        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.5 0.1 0.2 velocity 1 0 0"
+        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.65 0.1 0.2 velocity 1 0 0"
         " shape disc 0.1 0.08 density 900 spheres 10 position 0.5 -0.1 0.2 velocity -1 0.1 0 omega 5 0 3";
     prepare("5e7", "floe", 0.5, 0.4, restart_file);
     run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0"});
@@ -249,6 +249,26 @@ TEST(FloeContact, ContinuesFromARestartFile) {
   Heap one_rank(MPI_COMM_SELF, "floes.restart");
   one_rank.steps(1000);
   expect_same(one_rank.bodies(), whole.bodies(), 1e-9);
+}
+
+TEST(FloeContact, RefusesOverlapsAndLeaps) {
+  if (!alone()) GTEST_SKIP();
+  const std::string prism = "shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 ";
+  const std::vector<std::array<std::string, 3>> cases = {
+      {box(8) + "position 0 0 0.02", "1e-5", "overlap by 0.03 m all at once"},
+      {prism + "position 0 0 0.3 position 0.17 0.1 0.3", "1e-5", "the bodies 1 and 2 overlap by"},
+      {box(8) + "position 0 0 0.3 velocity 0 0 -1e3", "1e-3", "could pass through others unseen"},
+      {box(8) + "position 0 0 0.3", "0", "the time step must be positive"}};
+  for (const auto& [words, step, message] : cases) {
+    Solids solids;
+    solids.prepare("5e7", "floe");
+    try {
+      solids.run({floor_wall, "timestep " + step, "fix floes all floe/create " + words, "run 0"});
+      ADD_FAILURE() << "accepted: " << words;
+    } catch (const std::exception& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(FloeContact, StopsWhereItWouldBeWrong) {
