@@ -53,7 +53,7 @@ TEST(Tether, SwingsAsAPendulum) {
       solids.run({fall, cube + "position 0.5 0 0.4",
                   fmt::format("fix line all floe/tether body 1 to 0 0 0.4 {} 0.5 stiffness 1e6", kind),
                   fmt::format("run {}", std::lround(time / 1e-5))});
-      const auto& state = solids.bodies()[0].state;
+      const auto state = solids.bodies()[0].state;
       const double angle = swing(0.5, time);
       // It stretches by three weights, 3e-6 m; so does the time of a swing.
       EXPECT_NEAR(state.position.x(), 0.5 * std::cos(angle), 3e-5) << kind << " " << time;
@@ -94,7 +94,7 @@ TEST(Tether, RopesOnlyPullAndRodsAlsoPush) {
     solids.prepare();
     solids.run({cube + "position 0.5 0 0 velocity -0.1 0 0",
                 fmt::format("fix line all floe/tether body 1 to 0 0 0 {} 0.5 stiffness 1e3", kind), "run 10000"});
-    const auto& state = solids.bodies()[0].state;
+    const auto state = solids.bodies()[0].state;
     const double frequency = std::sqrt(1e3 / 0.1), time = 0.1;
     const bool rod = std::string(kind) == "rod";
     EXPECT_NEAR(state.position.x(), rod ? 0.5 - 0.1 / frequency * std::sin(frequency * time) : 0.49, 1e-7);
