@@ -169,6 +169,23 @@ TEST(FloeContact, FrictionSticksAndSlides) {
   }
 }
 
+TEST(FloeContact, CylindersRollOn) {
+  if (!alone()) GTEST_SKIP();
+  // Soft enough for its patch to span more than a side of the polygon; what slows it is then restitution alone.
+  Solids solids;
+  solids.prepare("1e7", "floe", 0.5, 0.4);
+  solids.run({"timestep 2e-5", "fix g all gravity 9.81 vector 0 0 -1", floor_wall,
+              "fix floes all floe/create shape cylinder 0.05 0.2 density 900 spheres 8 position -0.5 0 0.05 "
+              "rotate 1 0 0 90 velocity 0.5 0 0 omega 0 10 0",
+              "run 5000"});
+  const double before = solids.bodies()[0].state.velocity.x();
+  solids.run({"run 45000"});
+  const auto state = solids.bodies()[0].state;
+  const double resistance = 1.5 * (before - state.velocity.x()) / (0.9 * 9.81);
+  EXPECT_LT(std::abs(resistance), 0.004);
+  EXPECT_NEAR(state.angular_velocity.y() * 0.05, state.velocity.x(), 0.01 * state.velocity.x());
+}
+
 TEST(FloeContact, MeshesActLikePlanes) {
   if (!alone()) GTEST_SKIP();
   // The plane z = 0 as two triangles, with corners far outside of the body and an edge below it.

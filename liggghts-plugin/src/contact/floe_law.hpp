@@ -63,10 +63,12 @@ struct ContactSurroundings {
 /// Force [N] on the first body and its torque [N m] about the origin of the patch; the second body gets the opposite.
 /// `advance`: the memory is to take part in the step; otherwise it stays as it is.
 ///
-/// Pressure p (1 + x v / v0), at least 0, with v the approach speed at each place along the mean normal and v0 the
-/// reference speed: that of the first touch, and after a retreat the present one, with what free fall over a twentieth
-/// of the present depth gives (without it a loaded contact would yield ever more slowly); at least the one at which the
-/// damping of all contacts of a body would take away twice a step's motion, x F dt / m times half their number.
+/// Pressure p (1 + x v / v0), at least 0, with v the approach speed at the centre of pressure along the mean normal and
+/// v0 the reference speed: that of the first touch, and after a retreat the present one, with what free fall over a
+/// twentieth of the present depth gives (without it a loaded contact would yield ever more slowly); at least the one at
+/// which the damping of all contacts of a body would take away twice a step's motion, x F dt / m times half their
+/// number. Turning about the centre adds a tenth of x w / w0, with w its approach speed at each place and w0 that of
+/// the patch's rim, or a tenth of v0 if that is more: rocking dies out, and rolling loses little.
 /// Friction: one spring of force and one of twist at the centre of pressure, damped as restitution asks, both limited
 /// together by (T / mu F)^2 + (M / mu F r)^2 <= 1 with r the mean distance of the pressure from its centre. The springs
 /// never store more than the bodies gave them.
