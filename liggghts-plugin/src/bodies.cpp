@@ -142,28 +142,39 @@ void create_bodies(LAMMPS* lammps, FixMultisphere* multisphere, const FloeList& 
   bodies.reset_forces(true);
 }
 
-std::vector<SolidBody> owned_bodies(LAMMPS* lammps, FixMultisphere* multisphere) {
+SolidBody owned_body(LAMMPS* lammps, FixMultisphere* multisphere, int local) {
   Multisphere& bodies = multisphere->data();
   auto* types = bodies.prop().getElementProperty<ScalarContainer<int>>("clumptype");
   auto* images = bodies.prop().getElementProperty<ScalarContainer<tagint>>("imagebody");
   const Domain* domain = lammps->domain;
-  std::vector<SolidBody> result(bodies.n_body());
-  for (int i = 0; i < bodies.n_body(); ++i) {
-    SolidBody& body = result[i];
-    body.tag = bodies.tag(i);
-    body.shape = (*types)(i) >= first_floe_type ? (*types)(i)-first_floe_type : -1;
-    bodies.xcm(body.state.position.data(), i);
-    bodies.vcm(body.state.velocity.data(), i);
-    bodies.omega(body.state.angular_velocity.data(), i);
-    std::array<double, 4> q{};
-    bodies.quat(q.data(), i);
-    body.state.orientation = coupling::Quaternion(q[0], q[1], q[2], q[3]);
-    const tagint image = (*images)(i);
-    body.state.position +=
-        Vec3(((image & IMGMASK) - IMGMAX) * domain->xprd, ((image >> IMGBITS & IMGMASK) - IMGMAX) * domain->yprd,
-             ((image >> IMG2BITS) - IMGMAX) * domain->zprd);
-  }
+  SolidBody body;
+  body.tag = bodies.tag(local);
+  body.shape = (*types)(local) >= first_floe_type ? (*types)(local)-first_floe_type : -1;
+  bodies.xcm(body.state.position.data(), local);
+  bodies.vcm(body.state.velocity.data(), local);
+  bodies.omega(body.state.angular_velocity.data(), local);
+  std::array<double, 4> q{};
+  bodies.quat(q.data(), local);
+  body.state.orientation = coupling::Quaternion(q[0], q[1], q[2], q[3]);
+  const tagint image = (*images)(local);
+  body.state.position +=
+      Vec3(((image & IMGMASK) - IMGMAX) * domain->xprd, ((image >> IMGBITS & IMGMASK) - IMGMAX) * domain->yprd,
+           ((image >> IMG2BITS) - IMGMAX) * domain->zprd);
+  return body;
+}
+
+std::vector<SolidBody> owned_bodies(LAMMPS* lammps, FixMultisphere* multisphere) {
+  std::vector<SolidBody> result(multisphere->n_body());
+  for (int i = 0; i < multisphere->n_body(); ++i) result[i] = owned_body(lammps, multisphere, i);
   return result;
+}
+
+Vec3 gravity_of(LAMMPS* lammps) {
+  Vec3 acceleration = Vec3::Zero();
+  if (auto* fix = static_cast<FixGravity*>(lammps->modify->find_fix_style_strict("gravity", 0))) {
+    fix->get_gravity(acceleration.data());
+  }
+  return acceleration;
 }
 
 std::vector<double> gather_on_all(MPI_Comm world, const std::vector<double>& mine) {

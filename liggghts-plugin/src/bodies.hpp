@@ -22,12 +22,18 @@ inline constexpr int first_floe_type = 1000;
 void create_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere, const FloeList& list,
                    int shape_offset, int group_bit, LAMMPS_NS::FixPropertyAtom* sphere_index);
 
-/// The bodies this rank owns, with their present state; contact force and torque are zero. In a periodic direction the
-/// position is the unwrapped one. A body that no floe shape describes has shape -1.
+/// A body this rank owns, by its index in fix multisphere, with its present state; contact force and torque are zero.
+/// In a periodic direction the position is the unwrapped one. A body that no floe shape describes has shape -1.
+coupling::SolidBody owned_body(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere, int local);
+
+/// All bodies this rank owns.
 std::vector<coupling::SolidBody> owned_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere);
 
 /// The states of all bodies on all ranks, by ascending tag. Collective; meant for set-up, not for time steps.
 std::vector<coupling::SolidBody> gather_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere);
+
+/// Of the script's fix gravity, zero without one [m/s^2].
+coupling::Vec3 gravity_of(LAMMPS_NS::LAMMPS* lammps);
 
 /// The numbers of all ranks one after another, on every rank. Collective.
 std::vector<double> gather_on_all(MPI_Comm world, const std::vector<double>& mine);

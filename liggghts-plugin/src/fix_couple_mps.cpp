@@ -108,13 +108,7 @@ void FixCoupleMps::pre_force(int) {
   }
 }
 
-Vec3 FixCoupleMps::gravity() const {
-  Vec3 acceleration = Vec3::Zero();
-  if (auto* fix = static_cast<FixGravity*>(modify->find_fix_style_strict("gravity", 0))) {
-    fix->get_gravity(acceleration.data());
-  }
-  return acceleration;
-}
+Vec3 FixCoupleMps::gravity() const { return gravity_of(lmp); }
 
 coupling::SolidTerms FixCoupleMps::terms() const {
   coupling::SolidTerms terms;

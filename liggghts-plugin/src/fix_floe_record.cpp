@@ -10,11 +10,15 @@
 #include <system_error>
 
 #include "bodies.hpp"
+#include "contact/floe_contacts.hpp"
+#include "contact/floe_styles.hpp"
 #include "words.hpp"
 
 using namespace LAMMPS_NS;
 
 namespace embacle::liggghts {
+
+using coupling::Vec3;
 
 FixFloeRecord::FixFloeRecord(LAMMPS* lammps, int argc, char** argv) : Fix(lammps, argc, argv) {
   where_ = fmt::format("fix {} {}", id, style);
@@ -25,55 +29,77 @@ FixFloeRecord::FixFloeRecord(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
     if (name == "every") {
       nevery = words.integer("every (steps between two lines)", 1);
     } else if (name == "file") {
-      file_name_ = words.word("the name of a file after 'file'");
+      motions_.name = words.word("the name of a file after 'file'");
+    } else if (name == "energies") {
+      energies_.name = words.word("the name of a file after 'energies'");
     } else {
-      words.fail_unknown("keyword", name, {"every", "file"});
+      words.fail_unknown("keyword", name, {"every", "file", "energies"});
     }
   }
-  if (file_name_.empty()) words.fail("needs 'file NAME'");
+  if (motions_.name.empty() && energies_.name.empty()) words.fail("needs 'file NAME' or 'energies NAME'");
+  motions_.wanted = !motions_.name.empty();
+  energies_.wanted = !energies_.name.empty();
   restart_global = 1;
 }
 
-void FixFloeRecord::open() {
+void FixFloeRecord::open_tables() {
+  open(motions_,
+       "t [s],tag [-],x [m],y [m],z [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],"
+       "wx [rad/s],wy [rad/s],wz [rad/s],fx [N],fy [N],fz [N],tx [N m],ty [N m],tz [N m]\n");
+  open(energies_, "t [s],kinetic [J],potential [J],elastic [J],friction [J]\n");
+}
+
+void FixFloeRecord::open(Table& table, const char* head) const {
+  if (comm->me != 0 || !table.wanted) return;
   std::error_code problem;
-  const auto size = std::filesystem::file_size(file_name_, problem);
-  const bool kept = !problem && keep_ >= 0 && size >= static_cast<std::uintmax_t>(keep_);
-  if (kept) std::filesystem::resize_file(file_name_, static_cast<std::uintmax_t>(keep_), problem);
-  file_ = problem && kept ? nullptr : std::fopen(file_name_.c_str(), kept ? "a" : "w");
-  if (!file_) {
-    throw coupling::InputError(fmt::format("{}: cannot write '{}': {}", where_, file_name_, std::strerror(errno)));
+  const auto size = std::filesystem::file_size(table.name, problem);
+  const bool kept = !problem && table.keep >= 0 && size >= static_cast<std::uintmax_t>(table.keep);
+  if (kept) std::filesystem::resize_file(table.name, static_cast<std::uintmax_t>(table.keep), problem);
+  table.file = problem && kept ? nullptr : std::fopen(table.name.c_str(), kept ? "a" : "w");
+  if (!table.file) {
+    throw coupling::InputError(fmt::format("{}: cannot write '{}': {}", where_, table.name, std::strerror(errno)));
   }
-  if (kept) return;
-  fmt::print(file_,
-             "t [s],tag [-],x [m],y [m],z [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],"
-             "wx [rad/s],wy [rad/s],wz [rad/s],fx [N],fy [N],fz [N],tx [N m],ty [N m],tz [N m]\n");
+  if (!kept) fmt::print(table.file, "{}", head);
+}
+
+void FixFloeRecord::close_line(const Table& table) const {
+  if (std::fflush(table.file) != 0) {
+    throw coupling::SystemError(fmt::format("{}: cannot write '{}': {}", where_, table.name, std::strerror(errno)));
+  }
 }
 
 FixFloeRecord::~FixFloeRecord() {
-  if (file_) std::fclose(file_);
+  for (const Table* table : {&motions_, &energies_}) {
+    if (table->file) std::fclose(table->file);
+  }
 }
 
 int FixFloeRecord::setmask() { return FixConst::END_OF_STEP; }
 
 void FixFloeRecord::post_create() {
   multisphere_ = find_multisphere(lmp, where_);
-  if (comm->me == 0) open();
+  open_tables();
 }
 
 void FixFloeRecord::write_restart(std::FILE* file) {
   if (comm->me != 0) return;
-  std::fseek(file_, 0, SEEK_END);
-  const std::array<double, 2> record = {static_cast<double>(std::ftell(file_)), static_cast<double>(written_)};
+  const auto length = [](const Table& table) {
+    if (!table.file) return -1.0;
+    std::fseek(table.file, 0, SEEK_END);
+    return static_cast<double>(std::ftell(table.file));
+  };
+  const std::array<double, 3> record = {static_cast<double>(written_), length(motions_), length(energies_)};
   const int bytes = sizeof record;
   std::fwrite(&bytes, sizeof bytes, 1, file);
   std::fwrite(record.data(), sizeof(double), record.size(), file);
 }
 
 void FixFloeRecord::restart(char* buffer) {
-  std::array<double, 2> record{};
+  std::array<double, 3> record{};
   std::memcpy(record.data(), buffer, sizeof record);
-  keep_ = static_cast<long>(record[0]);
-  written_ = static_cast<bigint>(record[1]);
+  written_ = static_cast<bigint>(record[0]);
+  motions_.keep = static_cast<long>(record[1]);
+  energies_.keep = static_cast<long>(record[2]);
 }
 
 void FixFloeRecord::setup(int /*vflag*/) { write(); }
@@ -83,6 +109,40 @@ void FixFloeRecord::end_of_step() { write(); }
 void FixFloeRecord::write() {
   if (update->ntimestep == written_) return;
   written_ = update->ntimestep;
+  if (motions_.wanted) write_bodies();
+  if (energies_.wanted) write_energies();
+}
+
+void FixFloeRecord::write_energies() {
+  FloeContacts* contacts = floe_contacts(lmp);
+  if (!contacts) {
+    throw coupling::InputError(where_ + ": energies are those of 'pair_style gran model floe', which the script lacks");
+  }
+  const auto stored = contacts->stored_energy();
+  std::array<double, 4> sums{0, 0, stored.pressure, stored.friction};
+  Multisphere& bodies = multisphere_->data();
+  double** inertia = bodies.extract_double_vector("inertia");
+  const Vec3 gravity = gravity_of(lmp);
+  for (int i = 0; i < bodies.n_body(); ++i) {
+    Vec3 position, velocity, spin;
+    std::array<double, 4> q{};
+    bodies.xcm(position.data(), i);
+    bodies.vcm(velocity.data(), i);
+    bodies.omega(spin.data(), i);
+    bodies.quat(q.data(), i);
+    spin = coupling::Quaternion(q[0], q[1], q[2], q[3]).conjugate() * spin;
+    const Vec3 principal = Eigen::Map<const Vec3>(inertia[i]);
+    sums[0] += 0.5 * (bodies.mass(i) * velocity.squaredNorm() + spin.cwiseAbs2().dot(principal));
+    sums[1] -= bodies.mass(i) * gravity.dot(position);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, world);
+  if (!energies_.file) return;
+  fmt::print(energies_.file, "{:.12g},{:.16g},{:.16g},{:.16g},{:.16g}\n", update->get_cur_time(), sums[0], sums[1],
+             sums[2], sums[3]);
+  close_line(energies_);
+}
+
+void FixFloeRecord::write_bodies() {
   Multisphere& bodies = multisphere_->data();
   double** resultant = bodies.extract_double_vector("fcm");
   double** moment = bodies.extract_double_vector("torque");
@@ -99,18 +159,16 @@ void FixFloeRecord::write() {
     mine.insert(mine.end(), moment[i], moment[i] + 3);
   }
   const std::vector<double> all = gather_on_all(world, mine);
-  if (!file_) return;
+  if (!motions_.file) return;
   std::vector<const double*> rows;
   for (std::size_t at = 0; at < all.size(); at += 20) rows.push_back(all.data() + at);
   std::sort(rows.begin(), rows.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
   for (const double* row : rows) {
-    fmt::print(file_, "{:.12g},{:.0f}", update->get_cur_time(), row[0]);
-    for (int k = 1; k < 20; ++k) fmt::print(file_, ",{:.12g}", row[k]);
-    fmt::print(file_, "\n");
+    fmt::print(motions_.file, "{:.12g},{:.0f}", update->get_cur_time(), row[0]);
+    for (int k = 1; k < 20; ++k) fmt::print(motions_.file, ",{:.12g}", row[k]);
+    fmt::print(motions_.file, "\n");
   }
-  if (std::fflush(file_) != 0) {
-    throw coupling::SystemError(fmt::format("{}: cannot write '{}': {}", where_, file_name_, std::strerror(errno)));
-  }
+  close_line(motions_);
 }
 
 }  // namespace embacle::liggghts

@@ -1,4 +1,4 @@
-// fix floe/record: motion and forces of the bodies as a CSV file.
+// fix floe/record: motion and forces of the bodies, and their energies, as CSV files.
 #pragma once
 
 #include <cstdio>
@@ -8,8 +8,8 @@
 
 namespace embacle::liggghts {
 
-/// Writes a line a body every so many steps; where a run continues from a restart file, what is later than that is
-/// removed first. Manual: docs/liggghts.
+/// Writes a line a body, and one of energies, every so many steps; where a run continues from a restart file, what is
+/// later than that is removed first. Manual: docs/liggghts.
 class FixFloeRecord : public LAMMPS_NS::Fix {
  public:
   FixFloeRecord(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv);
@@ -23,14 +23,23 @@ class FixFloeRecord : public LAMMPS_NS::Fix {
   void restart(char* buffer) override;
 
  private:
+  struct Table {
+    std::string name;
+    std::FILE* file = nullptr;  ///< on the first rank
+    bool wanted = false;        ///< on all ranks
+    long keep = -1;             ///< bytes that a run which continues keeps; -1: it starts
+  };
+  void open_tables();
+  void open(Table& table, const char* head) const;
+  void close_line(const Table& table) const;
   void write();
-  void open();
+  void write_bodies();
+  void write_energies();
 
-  std::string where_, file_name_;
+  std::string where_;
+  Table motions_, energies_;
   LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
-  std::FILE* file_ = nullptr;  ///< on the first rank
   LAMMPS_NS::bigint written_ = -1;
-  long keep_ = -1;  ///< bytes of the file that a run which continues keeps; -1: it starts
 };
 
 }  // namespace embacle::liggghts

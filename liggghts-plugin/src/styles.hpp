@@ -7,7 +7,8 @@ class LAMMPS;
 
 namespace embacle::liggghts {
 
-/// Adds fix floe/create, fix couple/mps and the contact laws to `lammps`. Call before any script line is read.
+/// Adds the fixes floe/create, floe/record, floe/tether and couple/mps, and the contact laws, to `lammps`. Call before
+/// any script line is read.
 void register_styles(LAMMPS_NS::LAMMPS* lammps);
 
 }  // namespace embacle::liggghts

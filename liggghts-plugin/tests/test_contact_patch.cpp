@@ -6,6 +6,7 @@
 
 #include "contact/floe_law.hpp"
 #include "contact/near_pairs.hpp"
+#include "contact/stored_energy.hpp"
 
 namespace embacle::liggghts {
 namespace {
@@ -113,6 +114,46 @@ TEST(ContactPatch, ForcesHaveAPotential) {
   const double coarse = relative_circulation(cube, big, 500), fine = relative_circulation(cube, big, 2000);
   EXPECT_LT(fine, 1e-5);
   EXPECT_LT(fine, 0.2 * coarse);  // the trapezium rule's error, of second order
+}
+
+TEST(ContactPatch, ForceIsTheSlopeOfTheStoredEnergy) {
+  const ConvexShape big = box(0.4, 0.3, 0.1), cube = box(0.2, 0.2, 0.2);
+  // Flush faces: the whole overlap once. Depths of 0.25 and 0.75 mm, pressure 75 kPa: p^2 / 2 (1 / h1 + 1 / h2) A.
+  const PosedShape lower{&big, Mat3::Identity(), Vec3::Zero(), 1e8};
+  const PosedShape same{&big, Mat3::Identity(), Vec3(0, 0, 0.099), 3e8};
+  EXPECT_NEAR(stored_energy(lower, same), 0.5 * 0.75e5 * 1e-3 * 0.12, 5e-3 * 4.5);  // less near the rim
+  const PosedShape equal{&big, Mat3::Identity(), Vec3(0, 0, 0.099), 1e8};
+  EXPECT_NEAR(stored_energy(lower, equal), 0.5 * 0.5e5 * 1e-3 * 0.12, 5e-3 * 3);
+  EXPECT_EQ(stored_energy(lower, {&big, Mat3::Identity(), Vec3(0, 0, 0.101), 1e8}), 0);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-1, 1);
+  int touching = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Mat3 turn =
+        coupling::Quaternion(any(random), any(random), any(random), any(random)).normalized().toRotationMatrix();
+    const Vec3 place(0.15 * any(random), 0.15 * any(random), 0.13 + 0.03 * any(random));
+    const auto at = [&](const Vec3& x) { return PosedShape{&cube, turn, x, 3e8}; };
+    Patch patch, on_plane;
+    const double overlap = -separation(at(place), lower);
+    if (overlap <= 0) continue;
+    press(at(place), lower, overlap, patch);
+    if (patch.empty()) continue;
+    ++touching;
+    const Vec3 point(0, 0, 0.05);
+    press_plane(at(place), point, Vec3::UnitZ(), on_plane);
+    const Vec3 force = load_of(patch).force;
+    constexpr double way = 1e-6;
+    for (int k = 0; k < 3; ++k) {
+      const auto slope = [&](const auto& energy) {
+        return (energy(Vec3(place - way * Vec3::Unit(k))) - energy(Vec3(place + way * Vec3::Unit(k)))) / (2 * way);
+      };
+      EXPECT_NEAR(slope([&](const Vec3& x) { return stored_energy(at(x), lower); }), force[k], 1e-4 * force.norm());
+      EXPECT_NEAR(slope([&](const Vec3& x) { return stored_energy(lower, at(x)); }), force[k], 1e-4 * force.norm());
+      EXPECT_NEAR(slope([&](const Vec3& x) { return stored_energy_at_plane(at(x), point, Vec3::UnitZ()); }),
+                  load_of(on_plane).force[k], 1e-4 * force.norm());
+    }
+  }
+  EXPECT_GT(touching, 50);
 }
 
 TEST(ContactPatch, SeparationIsALowerBound) {

@@ -169,6 +169,23 @@ TEST(FloeContact, FrictionSticksAndSlides) {
   }
 }
 
+TEST(FloeContact, CylindersRollOn) {
+  if (!alone()) GTEST_SKIP();
+  // Soft enough for its patch to span more than a side of the polygon; what slows it is then restitution alone.
+  Solids solids;
+  solids.prepare("1e7", "floe", 0.5, 0.4);
+  solids.run({"timestep 2e-5", "fix g all gravity 9.81 vector 0 0 -1", floor_wall,
+              "fix floes all floe/create shape cylinder 0.05 0.2 density 900 spheres 8 position -0.5 0 0.05 "
+              "rotate 1 0 0 90 velocity 0.5 0 0 omega 0 10 0",
+              "run 5000"});
+  const double before = solids.bodies()[0].state.velocity.x();
+  solids.run({"run 45000"});
+  const auto state = solids.bodies()[0].state;
+  const double resistance = 1.5 * (before - state.velocity.x()) / (0.9 * 9.81);
+  EXPECT_LT(std::abs(resistance), 0.004);
+  EXPECT_NEAR(state.angular_velocity.y() * 0.05, state.velocity.x(), 0.01 * state.velocity.x());
+}
+
 TEST(FloeContact, MeshesActLikePlanes) {
   if (!alone()) GTEST_SKIP();
   // The plane z = 0 as two triangles, with corners far outside of the body and an edge below it.
@@ -209,7 +226,7 @@ struct Heap : Solids {
                            10 * b + 5);
     }
     words +=
-        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.5 0.1 0.2 velocity 1 0 0"
+        " shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 position -0.65 0.1 0.2 velocity 1 0 0"
         " shape disc 0.1 0.08 density 900 spheres 10 position 0.5 -0.1 0.2 velocity -1 0.1 0 omega 5 0 3";
     prepare("5e7", "floe", 0.5, 0.4, restart_file);
     run({"timestep 2e-5", floor_wall, "fix g all gravity 9.81 vector 0 0 -1", words, "run 0"});
@@ -249,6 +266,26 @@ TEST(FloeContact, ContinuesFromARestartFile) {
   Heap one_rank(MPI_COMM_SELF, "floes.restart");
   one_rank.steps(1000);
   expect_same(one_rank.bodies(), whole.bodies(), 1e-9);
+}
+
+TEST(FloeContact, RefusesOverlapsAndLeaps) {
+  if (!alone()) GTEST_SKIP();
+  const std::string prism = "shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 ";
+  const std::vector<std::array<std::string, 3>> cases = {
+      {box(8) + "position 0 0 0.02", "1e-5", "overlap by 0.03 m all at once"},
+      {prism + "position 0 0 0.3 position 0.17 0.1 0.3", "1e-5", "the bodies 1 and 2 overlap by"},
+      {box(8) + "position 0 0 0.3 velocity 0 0 -1e3", "1e-3", "could pass through others unseen"},
+      {box(8) + "position 0 0 0.3", "0", "the time step must be positive"}};
+  for (const auto& [words, step, message] : cases) {
+    Solids solids;
+    solids.prepare("5e7", "floe");
+    try {
+      solids.run({floor_wall, "timestep " + step, "fix floes all floe/create " + words, "run 0"});
+      ADD_FAILURE() << "accepted: " << words;
+    } catch (const std::exception& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(FloeContact, StopsWhereItWouldBeWrong) {

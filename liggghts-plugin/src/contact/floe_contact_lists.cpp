@@ -76,6 +76,7 @@ void FloeContacts::take_up_forces(const std::vector<double>& records) {
 }
 
 void FloeContacts::build_lists() {
+  gravity_ = gravity_of(lammps_).norm();  // known from the first set-up on
   std::map<Key, ContactMemory> memories;
   collect(memories);
   // Only a set-up asks for the forces of the step before.

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "contact/near_pairs.hpp"
+#include "contact/stored_energy.hpp"
 #include "fix_floe_create.hpp"
 #include "stock_access.hpp"
 
@@ -23,7 +24,7 @@ using coupling::Vec3;
 namespace {
 
 const std::string model = "pair_style gran model floe";
-constexpr int state_size = 13;  // position, orientation, velocity, angular velocity
+constexpr int state_size = 14;  // position, orientation, velocity, angular velocity, contacts
 
 FixPropertyGlobal* find_property(LAMMPS* lammps, const char* name, const char* kind) {
   const int types = lammps->atom->ntypes;
@@ -53,10 +54,23 @@ int main_direction(const Vec3& normal) {
   return 2 * axis + (normal[axis] < 0 ? 1 : 0);
 }
 
+double in_springs(const ContactMemory& memory) {
+  if (memory.touching == 0) return 0;
+  double energy = 0;
+  if (memory.spring_stiffness > 0) {
+    for (const double part : memory.spring) energy += 0.5 * part * part / memory.spring_stiffness;
+  }
+  if (memory.twist_stiffness > 0) energy += 0.5 * memory.twist * memory.twist / memory.twist_stiffness;
+  return energy;
+}
+
 }  // namespace
 
 void FloeContacts::prepare() {
   multisphere_ = find_multisphere(lammps_, model);
+  if (!(lammps_->update->dt > 0)) {
+    throw InputError(fmt::format("{}: the time step must be positive, not {} s", model, lammps_->update->dt));
+  }
   const auto shapes = floe_shapes(lammps_);
   materials_.clear();
   const int types = lammps_->atom->ntypes;
@@ -76,6 +90,11 @@ void FloeContacts::prepare() {
             "allowed are 0 to 1, and 0 or more",
             model, e, mu, i + 1, j + 1));
       }
+      if (e < least_restitution && j <= i && lammps_->comm->me == 0) {
+        lammps_->error->warning(FLERR, fmt::format("{}: coefficientRestitution {} of the types {} and {} acts as {}",
+                                                   model, e, i + 1, j + 1, least_restitution)
+                                           .c_str());
+      }
       contact_materials_[i][j] =
           ContactMaterial::with(e, mu, 0.5 * (poisson->get_values()[i] + poisson->get_values()[j]));
     }
@@ -92,6 +111,8 @@ void FloeContacts::prepare() {
     for (const auto& face : material.shape.faces) material.face = std::max(material.face, face.area);
     materials_.push_back(std::move(material));
   }
+  thinnest_ = std::numeric_limits<double>::infinity();
+  for (const Material& of : materials_) thinnest_ = std::min(thinnest_, of.shape.thickness);
   find_walls();
   built_ = -1;
 }
@@ -173,6 +194,7 @@ void FloeContacts::refresh() {
     bodies.quat(q.data(), body.local);
     body.orientation = coupling::Quaternion(q[0], q[1], q[2], q[3]);
   }
+  count_contacts();
   share_states();
   for (Body& body : bodies_) {
     const double reach = materials_[body.shape].shape.reach;
@@ -190,6 +212,17 @@ void FloeContacts::turn(Body& body) const {
   body.turned = true;
 }
 
+void FloeContacts::count_contacts() {
+  for (std::size_t b = 0; b < owned_; ++b) bodies_[b].contacts = 0;
+  for (const Pair& pair : pairs_) {
+    bodies_[pair.first].contacts += pair.memory.touching;
+    bodies_[pair.second].contacts += pair.memory.touching;
+  }
+  for (const WallPair& pair : wall_pairs_) {
+    for (const ContactMemory& memory : pair.memory) bodies_[pair.body].contacts += memory.touching;
+  }
+}
+
 void FloeContacts::share_states() {
   std::vector<MPI_Request> requests;
   for (Exchange& exchange : exchanges_) {
@@ -201,6 +234,7 @@ void FloeContacts::share_states() {
         exchange.sent.insert(exchange.sent.end(), vector->data(), vector->data() + 3);
       }
       exchange.sent.insert(exchange.sent.end(), body.orientation.coeffs().data(), body.orientation.coeffs().data() + 4);
+      exchange.sent.push_back(body.contacts);
     }
     constexpr int label = 7301;
     requests.resize(requests.size() + 2);
@@ -220,6 +254,7 @@ void FloeContacts::share_states() {
       }
       body.orientation.coeffs() = Eigen::Map<const Eigen::Vector4d>(at);
       at += 4;
+      body.contacts = *at++;
     }
   }
 }
@@ -246,8 +281,7 @@ void FloeContacts::check(const Patch& patch, double inverse_mass, double strengt
   constexpr double coarsest = 0.5;  // six steps a contact; beyond 2 the integration explodes
   constexpr double deepest = 0.8;   // of the way to the middle of a body, beyond which it is pushed out at the back
   if (step * frequency <= coarsest && pressure <= deepest * strength) return;
-  const std::string who = other > 0 ? fmt::format("the bodies {} and {}", body, other)
-                                    : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
+  const std::string who = names_of(body, other);
   if (pressure > deepest * strength) {
     throw coupling::InstabilityError(fmt::format(
         "{}: at step {} {} press into each other almost to the middle, with {:.3g} Pa: youngsModulus is too "
@@ -259,6 +293,43 @@ void FloeContacts::check(const Patch& patch, double inverse_mass, double strengt
       "most {:.3g} s, better {:.1g} s; or a lower youngsModulus",
       model, lammps_->update->ntimestep, step, who, std::numbers::pi / frequency, coarsest / frequency,
       std::numbers::pi / 20 / frequency));
+}
+
+std::string FloeContacts::names_of(BodyTag body, BodyTag other) const {
+  return other > 0 ? fmt::format("the bodies {} and {}", body, other)
+                   : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
+}
+
+void FloeContacts::check_first_touch(const Patch& patch, double hardness, double way, double size, BodyTag body,
+                                     BodyTag other) const {
+  constexpr double rounding = 2e-3;  // of a body's size: the flat sides of a mantle
+  if (patch.highest / hardness <= 3 * way + rounding * size) return;
+  throw coupling::InstabilityError(fmt::format(
+      "{}: at step {} {} overlap by {:.3g} m all at once, more than their speed explains: were they created in each "
+      "other?",
+      model, lammps_->update->ntimestep, names_of(body, other), patch.highest / hardness));
+}
+
+void FloeContacts::check_way(double gap, double way, double thickness, BodyTag body, BodyTag other) const {
+  if (gap >= way || way <= 0.5 * thickness) return;
+  throw coupling::InstabilityError(
+      fmt::format("{}: at step {} {} could pass through each other unseen: they approach by up to {:.3g} m in a time "
+                  "step of {:.3g} s, more than half the thickness of {:.3g} m",
+                  model, lammps_->update->ntimestep, names_of(body, other), way, lammps_->update->dt, thickness));
+}
+
+void FloeContacts::check_ways() const {
+  // Who is not in the lists is farther than two skins.
+  const double most = std::max(lammps_->neighbor->skin, 0.5 * thinnest_);
+  for (std::size_t b = 0; b < owned_; ++b) {
+    const double way = bodies_[b].fastest * lammps_->update->dt;
+    if (way <= most) continue;
+    throw coupling::InstabilityError(
+        fmt::format("{}: at step {} body {} moves by up to {:.3g} m in a time step of {:.3g} s, more than the skin of "
+                    "'neighbor' and "
+                    "half the thickness of a body: it could pass through others unseen",
+                    model, lammps_->update->ntimestep, bodies_[b].tag, way, lammps_->update->dt));
+  }
 }
 
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
@@ -280,18 +351,25 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
   } else {
     pair.clear = apart.norm() - reach;
   }
+  const double way = (first.fastest + second.fastest) * lammps_->update->dt;
+  const Material &material_a = materials_[first.shape], &material_b = materials_[second.shape];
   if (patch_.empty()) {
     pair.memory.touching = 0;
+    check_way(pair.clear, way, std::min(material_a.shape.thickness, material_b.shape.thickness), first.tag, second.tag);
     return;
+  }
+  if (pair.memory.touching == 0) {
+    check_first_touch(patch_, material_a.hardness * material_b.hardness / (material_a.hardness + material_b.hardness),
+                      way, std::min(material_a.shape.reach, material_b.shape.reach), first.tag, second.tag);
   }
   check(patch_, first.motion.inverse_mass + second.motion.inverse_mass,
         std::min(strength(first.shape), strength(second.shape)), first.tag, second.tag);
   RigidMotion of_first = first.motion, of_second = second.motion;
   of_first.position = Vec3::Zero();
   of_second.position = apart;
-  const auto load = contact_force(patch_, of_first, of_second,
-                                  material(materials_[first.shape].atom_type, materials_[second.shape].atom_type),
-                                  lammps_->update->dt, advance, pair.memory);
+  const auto load = contact_force(
+      patch_, of_first, of_second, material(materials_[first.shape].atom_type, materials_[second.shape].atom_type),
+      {lammps_->update->dt, gravity_, std::max(first.contacts, second.contacts)}, advance, pair.memory);
   add(first, load.force, load.torque);
   add(second, -load.force, -(load.torque - apart.cross(load.force)));
 }
@@ -319,13 +397,22 @@ void FloeContacts::compute_wall(WallPair& pair, bool advance) {
   motion.position = Vec3::Zero();
   for (int direction = 0; direction < 6; ++direction) {
     ContactMemory& memory = pair.memory[direction];
+    const double way = (body.fastest + wall.velocity.norm()) * lammps_->update->dt;
+    const ConvexShape& of = materials_[body.shape].shape;
     if (patches[direction].empty()) {
       memory.touching = 0;
+      if (!wall.mesh && direction == 0) {
+        check_way(std::abs(body.motion.position[wall.axis] - wall.place) - of.reach, way, of.thickness, body.tag,
+                  -1 - pair.wall);
+      }
       continue;
+    }
+    if (!wall.mesh && memory.touching == 0) {
+      check_first_touch(patches[direction], shape.hardness, way, of.reach, body.tag, -1 - pair.wall);
     }
     check(patches[direction], body.motion.inverse_mass, strength(body.shape) * share, body.tag, -1 - pair.wall);
     const auto load = contact_force(patches[direction], motion, motions[direction], material(type, wall.atom_type),
-                                    lammps_->update->dt, advance, memory);
+                                    {lammps_->update->dt, gravity_, body.contacts}, advance, memory);
     add(body, load.force, load.torque);
   }
 }
@@ -358,12 +445,40 @@ void FloeContacts::press_mesh(WallPair& pair, const PosedShape& shape, std::arra
   }
 }
 
+FloeContacts::Energy FloeContacts::stored_energy() {
+  Energy energy;
+  for (const Pair& pair : pairs_) {
+    if (pair.memory.touching == 0 || bodies_[pair.first].local < 0) continue;
+    Body& first = bodies_[pair.first];
+    Body& second = bodies_[pair.second];
+    const PosedShape a = posed(first, first.motion.position);
+    PosedShape b = posed(second, first.motion.position);
+    b.position = nearest_image(b.position);
+    energy.pressure += liggghts::stored_energy(a, b);
+    energy.friction += in_springs(pair.memory);
+  }
+  for (const WallPair& pair : wall_pairs_) {
+    const Wall& wall = walls_[pair.wall];
+    if (wall.mesh) throw InputError(fmt::format("{}: the energy in contacts with meshes is not known", model));
+    if (pair.memory[0].touching == 0) continue;
+    Body& body = bodies_[pair.body];
+    PosedShape shape = posed(body, body.motion.position);
+    shape.hardness *= wall_share(materials_[body.shape].atom_type, wall.atom_type);
+    const double height = body.motion.position[wall.axis] - wall.place;
+    const Vec3 normal = height < 0 ? Vec3(-Vec3::Unit(wall.axis)) : Vec3(Vec3::Unit(wall.axis));
+    energy.pressure += stored_energy_at_plane(shape, -std::abs(height) * normal, normal);
+    energy.friction += in_springs(pair.memory[0]);
+  }
+  return energy;
+}
+
 void FloeContacts::update() {
   if (built_ != lammps_->neighbor->ncalls) {
     build_lists();
     built_ = lammps_->neighbor->ncalls;
   }
   refresh();
+  check_ways();
 }
 
 void FloeContacts::compute_all(bool advance) {

@@ -39,6 +39,15 @@ class FloeContacts {
   /// Half a period [s] of the stiffest contact that two bodies of any shapes, or one and a wall, can have.
   [[nodiscard]] double shortest_contact_time() const;
 
+  /// What all contacts store at present, of the places of the last step [J].
+  struct Energy {
+    double pressure = 0;  ///< between bodies and with planes
+    double friction = 0;  ///< in the springs of friction
+  };
+  /// Of the contacts whose first body is this rank's. Throws InputError if there are meshes: the energy at their
+  /// triangles is not known.
+  [[nodiscard]] Energy stored_energy();
+
   /// What there is to remember between runs: on rank 0 of all ranks, elsewhere nothing. Collective.
   struct Memory {
     std::vector<double> contacts;  ///< ContactMemory of each pair that touches, with its key
@@ -57,7 +66,8 @@ class FloeContacts {
     bool turned = false;  ///< whether axes, inverse mass and inertia are up to date
     coupling::Mat3 axes = coupling::Mat3::Identity();
     RigidMotion motion;
-    double fastest = 0;  ///< bound of the speed of its places [m/s]
+    double contacts = 0;  ///< that it had at the last step
+    double fastest = 0;   ///< bound of the speed of its places [m/s]
   };
   /// What a shape brings into contacts.
   struct Material {
@@ -94,6 +104,7 @@ class FloeContacts {
   void find_walls();
   void find_owned();
   void build_lists();
+  void count_contacts();
   void share_states();
   void refresh();
   void find_wall_pairs(double margin);
@@ -110,6 +121,14 @@ class FloeContacts {
   /// that a body can have; `other`: a body or -1 - wall.
   void check(const Patch& patch, double inverse_mass, double strength, coupling::BodyTag body,
              coupling::BodyTag other) const;
+  /// Throws InstabilityError if a new contact is deeper than the speed of approach can explain. `hardness`: of the
+  /// springs in a row; `way`: at most, in a step [m].
+  void check_first_touch(const Patch& patch, double hardness, double way, double size, coupling::BodyTag body,
+                         coupling::BodyTag other) const;
+  /// Throws InstabilityError if bodies could pass through each other, or a plane, within a step.
+  void check_way(double gap, double way, double thickness, coupling::BodyTag body, coupling::BodyTag other) const;
+  void check_ways() const;
+  [[nodiscard]] std::string names_of(coupling::BodyTag body, coupling::BodyTag other) const;
   /// Pressure [Pa] in the middle of a shape.
   [[nodiscard]] double strength(int shape) const {
     return 0.5 * materials_[shape].hardness * materials_[shape].shape.thickness;
@@ -126,6 +145,8 @@ class FloeContacts {
   LAMMPS_NS::LAMMPS* lammps_;
   LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
   std::vector<Material> materials_;                              ///< by shape
+  double gravity_ = 0;                                           ///< [m/s^2]
+  double thinnest_ = 0;                                          ///< of the shapes [m]
   std::vector<double> young_;                                    ///< by atom type
   std::vector<std::vector<ContactMaterial>> contact_materials_;  ///< by atom types
   std::vector<Wall> walls_;

@@ -9,7 +9,7 @@ namespace embacle::liggghts {
 using coupling::Vec3;
 
 double damping_number(double restitution) {
-  const double e = std::clamp(restitution, 0.02, 1.0);
+  const double e = std::clamp(restitution, least_restitution, 1.0);
   if (e > 1 - 1e-12) return 0;
   // The root is simple and below 1 / e, where the right side has its pole.
   const auto excess = [e](double x) { return std::log1p(x) - std::log1p(-x * e) - x * (1 + e); };
@@ -24,22 +24,24 @@ double damping_number(double restitution) {
 }
 
 ContactMaterial ContactMaterial::with(double restitution, double friction, double poisson_ratio) {
-  const double logarithm = std::log(std::clamp(restitution, 0.02, 1.0));
+  const double logarithm = std::log(std::clamp(restitution, least_restitution, 1.0));
   return {friction, 0.5 / (1 + poisson_ratio), liggghts::damping_number(restitution),
           -logarithm / std::hypot(std::numbers::pi, logarithm)};
 }
 
 namespace {
 
-/// The elastic part `stretched` follows its stiffness down, never up: what it stores may only be lost.
-double weakened(double stretched, double old_stiffness, double stiffness) {
-  return stiffness < old_stiffness ? stretched * (stiffness / old_stiffness) : stretched;
+/// Of a spring whose stiffness changes: the energy that it stores stays, so that a contact that trembles neither loses
+/// its hold bit by bit nor gains energy.
+double rescaled(double old_stiffness, double stiffness) {
+  return old_stiffness > 0 ? std::sqrt(stiffness / old_stiffness) : 1.0;
 }
 
 }  // namespace
 
 coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const RigidMotion& second,
-                             const ContactMaterial& material, double dt, bool advance, ContactMemory& memory) {
+                             const ContactMaterial& material, const ContactSurroundings& around, bool advance,
+                             ContactMemory& memory) {
   coupling::Load load;
   Vec3 elastic = Vec3::Zero(), centre = Vec3::Zero();
   double weight = 0;
@@ -59,28 +61,39 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
   const double approach = -relative.dot(normal);
   const Vec3 turning = -normal.cross(spin);
 
+  const double yield = first.yield(centre, normal) + second.yield(centre, normal);
   if (advance) {
     if (memory.touching == 0) {
       memory = ContactMemory{};
       memory.touching = memory.loading = 1;
       memory.reference_speed = std::max(0.0, approach);
-    } else if (approach > 0) {
-      memory.reference_speed = memory.loading > 0 ? std::max(memory.reference_speed, approach) : approach;
-      memory.loading = 1;
-    } else {
+    } else if (approach <= 0) {
       memory.loading = 0;
+    } else if (memory.loading > 0) {
+      memory.reference_speed = std::max(memory.reference_speed, approach);
+    } else {
+      constexpr double share = 0.1;  // twice that of the depth: soft contacts settle soon, and stacks soon stop to sway
+      memory.reference_speed =
+          std::sqrt(approach * approach + share * around.gravity * elastic_force / patch.stiffness);
+      memory.loading = 1;
     }
   }
   const double number = material.damping_number;
-  const double yield = first.yield(centre, normal) + second.yield(centre, normal);
-  const double slowest = number * elastic_force * yield * dt;
+  const double slowest = number * elastic_force * yield * around.dt * std::max(1.0, 0.5 * around.crowd);
   const double speed = std::max({memory.reference_speed, slowest, 1e-300});
   const double damping = number / speed;
 
+  // Turning about the centre of pressure takes up no energy if it is steady, as in rolling: it is damped by a share of
+  // what restitution asks, by the speed of the patch's rim, which lets rocking die out within some tens of periods.
+  constexpr double rocking = 0.1;
+  double rim = 0;
+  for (const auto& place : patch.places) rim = std::max(rim, turning.dot(place.position - centre));
+  const double turning_damping = number * rocking / std::max(rim, rocking * speed);
+
   double lever = 0;
   for (const auto& place : patch.places) {
-    const double closing = approach + turning.dot(place.position - centre);
-    const Vec3 force = std::max(0.0, 1 + damping * closing) * place.force;
+    const double closing = damping * approach + turning_damping * turning.dot(place.position - centre);
+    const Vec3 force = std::max(0.0, 1 + closing) * place.force;
     load.force += force;
     load.torque += place.position.cross(force);
     lever += place.size * (place.position - centre).norm();
@@ -98,25 +111,33 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
   spring -= spring.dot(normal) * normal;  // the normal has turned since: keep the size
   if (spring.squaredNorm() > 0) spring *= stretched / spring.norm();
   double twist = memory.twist;
+  // Force and torque on one scale [N]; friction is limited in it.
+  const auto grip = [lever](const Vec3& force, double torque) {
+    return std::hypot(force.norm(), lever > 0 ? torque / lever : 0.0);
+  };
   if (advance) {
-    if (stretched > 0) spring *= weakened(1, memory.spring_stiffness, stiffness);
-    twist = weakened(twist, memory.twist_stiffness, twist_stiffness);
-    spring -= stiffness * dt * sliding;
-    twist -= twist_stiffness * dt * twisting;
+    spring *= rescaled(memory.spring_stiffness, stiffness);
+    twist *= lever > 0 ? rescaled(memory.twist_stiffness, twist_stiffness) : 0.0;
+    const double before = grip(spring, twist);
+    spring -= stiffness * around.dt * sliding;
+    twist -= twist_stiffness * around.dt * twisting;
+    // While damping pulls the bodies together less, they slide, but the springs stay as they are: they never take up
+    // more than what the bodies give.
+    const double after = grip(spring, twist);
+    const double most = std::min(material.friction * elastic_force, std::max(limit, before));
+    if (after > most) {
+      spring *= most / after;
+      twist *= most / after;
+    }
   }
   const double mass = 1 / (first.inverse_mass + second.inverse_mass);
   const double drag = 2 * material.damping_ratio * std::sqrt(stiffness * mass);
   Vec3 friction = spring - drag * sliding;
   double torque = twist - drag * lever * lever * twisting;
-  const double most_twist = limit * lever;
-  const double size = std::hypot(friction.norm() / limit, most_twist > 0 ? torque / most_twist : 0.0);
+  const double size = grip(friction, torque) / limit;
   if (size > 1) {
     friction /= size;
     torque /= size;
-    if (advance) {
-      spring = friction;
-      twist = torque;
-    }
   }
   if (advance) {
     memory.spring = {spring.x(), spring.y(), spring.z()};

@@ -5,6 +5,8 @@
 
 namespace embacle::liggghts {
 
+inline constexpr double least_restitution = 0.02;
+
 /// What a pair of materials does in contact.
 struct ContactMaterial {
   double friction = 0;           ///< Coulomb's coefficient, sticking and sliding
@@ -12,7 +14,7 @@ struct ContactMaterial {
   double damping_number = 0;     ///< see damping_number
   double damping_ratio = 0;      ///< of friction's springs: of a linear spring with the same restitution
 
-  /// With separation over approach speed `restitution`, 0 to 1; below 0.02 it acts as 0.02.
+  /// With separation over approach speed `restitution`, 0 to 1; below least_restitution it acts as that.
   static ContactMaterial with(double restitution, double friction, double poisson_ratio);
 };
 
@@ -51,14 +53,27 @@ inline constexpr int contact_memory_size = sizeof(ContactMemory) / sizeof(double
 /// that act at once (Hunt & Crossley 1975, doi:10.1115/1.3423596, integrated exactly).
 double damping_number(double restitution);
 
+/// What a contact must know of the world around it.
+struct ContactSurroundings {
+  double dt = 0;       ///< time step [s]
+  double gravity = 0;  ///< [m/s^2]
+  double crowd = 1;    ///< contacts of the body that has more of them
+};
+
 /// Force [N] on the first body and its torque [N m] about the origin of the patch; the second body gets the opposite.
-/// `advance`: the memory is to take part in the step of length `dt` [s]; otherwise it stays as it is.
+/// `advance`: the memory is to take part in the step; otherwise it stays as it is.
 ///
-/// Pressure p (1 + x v / v0), at least 0, with v the approach speed at each place along the mean normal and v0 the
-/// reference speed, at least the one at which damping would take away a whole step's motion, x F dt / m. Friction: one
-/// spring of force and one of twist at the centre of pressure, damped as restitution asks, both limited together by
-/// (T / mu F)^2 + (M / mu F r)^2 <= 1 with r the mean distance of the pressure from its centre.
+/// Pressure p (1 + x v / v0), at least 0, with v the approach speed at the centre of pressure along the mean normal and
+/// v0 the reference speed: that of the first touch, and after a retreat the present one, with what free fall over a
+/// twentieth of the present depth gives (without it a loaded contact would yield ever more slowly); at least the one at
+/// which the damping of all contacts of a body would take away twice a step's motion, x F dt / m times half their
+/// number. Turning about the centre adds a tenth of x w / w0, with w its approach speed at each place and w0 that of
+/// the patch's rim, or a tenth of v0 if that is more: rocking dies out, and rolling loses little.
+/// Friction: one spring of force and one of twist at the centre of pressure, damped as restitution asks, both limited
+/// together by (T / mu F)^2 + (M / mu F r)^2 <= 1 with r the mean distance of the pressure from its centre. The springs
+/// never store more than the bodies gave them.
 coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const RigidMotion& second,
-                             const ContactMaterial& material, double dt, bool advance, ContactMemory& memory);
+                             const ContactMaterial& material, const ContactSurroundings& around, bool advance,
+                             ContactMemory& memory);
 
 }  // namespace embacle::liggghts

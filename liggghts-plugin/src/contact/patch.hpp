@@ -15,6 +15,10 @@ struct PosedShape {
   double hardness = 0;                               ///< pressure per depth below the surface [Pa/m]
 
   [[nodiscard]] coupling::Vec3 to_global(const coupling::Vec3& x) const { return position + axes * x; }
+  [[nodiscard]] HalfSpace to_global(const HalfSpace& half_space) const {
+    const coupling::Vec3 normal = axes * half_space.normal;
+    return {normal, half_space.offset + normal.dot(position)};
+  }
 };
 
 /// The surface on which two bodies press each other, in places of a quadrature rule.
