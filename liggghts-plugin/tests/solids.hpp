@@ -15,6 +15,7 @@ class Solids {
   explicit Solids(MPI_Comm own = MPI_COMM_WORLD) {
     std::vector<std::string> words = {"test", "-screen", "/dev/null", "-log", "none"};
     std::vector<char*> argv;
+    argv.reserve(words.size());
     for (std::string& word : words) argv.push_back(word.data());
     lammps_ = new LAMMPS_NS::LAMMPS(static_cast<int>(argv.size()), argv.data(), own);
     register_styles(lammps_);

@@ -174,10 +174,10 @@ TEST(FloeContact, CylindersRollOn) {
   // Soft enough for its patch to span more than a side of the polygon; what slows it is then restitution alone.
   Solids solids;
   solids.prepare("1e7", "floe", 0.5, 0.4);
-  solids.run({"timestep 2e-5", "fix g all gravity 9.81 vector 0 0 -1", floor_wall,
-              "fix floes all floe/create shape cylinder 0.05 0.2 density 900 spheres 8 position -0.5 0 0.05 "
-              "rotate 1 0 0 90 velocity 0.5 0 0 omega 0 10 0",
-              "run 5000"});
+  const std::string cylinder =
+      "fix floes all floe/create shape cylinder 0.05 0.2 density 900 spheres 8 position -0.5 0 0.05 "
+      "rotate 1 0 0 90 velocity 0.5 0 0 omega 0 10 0";
+  solids.run({"timestep 2e-5", "fix g all gravity 9.81 vector 0 0 -1", floor_wall, cylinder, "run 5000"});
   const double before = solids.bodies()[0].state.velocity.x();
   solids.run({"run 45000"});
   const auto state = solids.bodies()[0].state;
