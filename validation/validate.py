@@ -224,6 +224,20 @@ def revision():
         return "unknown"
 
 
+def front_page(cases):
+    """One row a case: how many of its required bars hold, and which do not, by how much."""
+    lines = ["| case | required bars that hold | reported only | falls short |", "|---|---|---|---|"]
+    for case, result in sorted(cases.items()):
+        required = [bar for bar in result["bars"] if bar["required"]]
+        missed = [f"{bar['name']}: {number(bar['value'])} {bar['unit']} (allowed {number(bar['lower'])} .. {number(bar['upper'])})"
+                  for bar in required if not bar["inside"]]
+        if result["error"]:
+            missed.insert(0, f"**not finished**: {result['error'].splitlines()[0]}")
+        lines.append(f"| [{case}](#{case}) | {len(required) - sum(not bar['inside'] for bar in required)} of {len(required)} | "
+                     f"{len(result['bars']) - len(required)} | {'; '.join(missed)} |")
+    return "\n".join(lines)
+
+
 def write_report(case, result, folder):
     """Puts a case into report.md, and by tools/validation_plots.py a picture of each beside it."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -232,10 +246,10 @@ def write_report(case, result, folder):
     outcome["cases"][case] = result
     write_whole(data, json.dumps(outcome, separators=(",", ":")) + "\n")
     plots = subprocess.run(["/usr/bin/python3", str(ROOT / "tools/validation_plots.py"), str(folder)]).returncode == 0
-    lines = ["# Validation", "",
+    lines = ["# Validation", "", front_page(outcome["cases"]), "",
              "Inside: the value lies in the allowed range. Run: wall time, on whatever else the machine had to do.", ""]
     for case, result in sorted(outcome["cases"].items()):
-        lines += [f"## {case}: {result['title']}", "",
+        lines += [f"## {case}", "", f"{result['title'][0].upper()}{result['title'][1:]}.", "",
                   f"Effort: {result['effort']}; commit {result['revision']}.", "", result["text"], ""]
         if result["error"]:
             lines += [f"**Not finished**: {result['error']}", ""]
