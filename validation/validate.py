@@ -212,7 +212,7 @@ def validate_case(case, options, results):
     return {"title": module.TITLE, "effort": options.effort, "revision": revision(), "error": error, "text": text,
             "curves": context.curves,
             "missed": error is not None or any(bar.required and not bar.inside for bar in bars),
-            "bars": [dataclasses.asdict(bar) | {"inside": bar.inside} for bar in bars]}
+            "bars": [dataclasses.asdict(bar) | {"value": float(bar.value), "inside": bool(bar.inside)} for bar in bars]}
 
 
 def revision():
