@@ -17,7 +17,7 @@ namespace {
 struct Neighbour {
   int rank = 0;
   std::vector<std::size_t> bodies;
-  std::vector<double> theirs;  ///< their partial loads: force and torque of each body
+  std::vector<double> theirs;  ///< their part of a sum, body by body
 };
 
 }  // namespace
@@ -138,8 +138,7 @@ void FluidLink::Impl::plan_neighbours() {
   neighbours.clear();
   for (Partner& partner : partners_of(planned, &PlannedBody::sharers, participants.fluid_ranks)) {
     if (partner.rank == side.rank()) continue;
-    std::vector<double> theirs(6 * partner.bodies.size());
-    neighbours.push_back({partner.rank, std::move(partner.bodies), std::move(theirs)});
+    neighbours.push_back({partner.rank, std::move(partner.bodies), {}});
   }
 }
 
@@ -243,39 +242,57 @@ void FluidLink::Impl::note_missing(std::size_t index) {
   body.applied = {};
 }
 
-void FluidLink::sum_over_sharers(std::span<Load> partial) {
+void FluidLink::sum_over_sharers(std::span<double> partial, std::size_t numbers) {
   Impl& m = *impl_;
-  if (partial.size() != m.bodies.size()) throw std::logic_error("coupling: sum_over_sharers needs one load per body");
+  if (partial.size() != numbers * m.bodies.size()) {
+    throw std::logic_error("coupling: sum_over_sharers needs its numbers for every body");
+  }
   const MPI_Comm comm = m.side.comm();
   std::vector<Bytes>& mine = m.sharer_messages.prepare(m.neighbours.size(), m.inner_waiter);
   std::vector<MPI_Request> requests(m.neighbours.size(), MPI_REQUEST_NULL);
   for (std::size_t i = 0; i < m.neighbours.size(); ++i) {
     Neighbour& neighbour = m.neighbours[i];
+    neighbour.theirs.resize(numbers * neighbour.bodies.size());
     MPI_Irecv(neighbour.theirs.data(), static_cast<int>(neighbour.theirs.size()), MPI_DOUBLE, neighbour.rank,
               tag_sharers, comm, &requests[i]);
     Writer out(mine[i]);
-    for (const std::size_t index : neighbour.bodies) out.put(partial[index]);
+    for (const std::size_t index : neighbour.bodies) {
+      for (std::size_t n = 0; n < numbers; ++n) out.put(partial[numbers * index + n]);
+    }
     m.sharer_messages.send(i, neighbour.rank, tag_sharers, comm);
     ++m.counters.predictor_messages_sent;
   }
   m.inner_waiter.all(requests);
 
   // In ascending rank order, this rank in its place.
-  const std::vector<Load> own(partial.begin(), partial.end());
-  for (std::size_t index = 0; index < own.size(); ++index) partial[index] = {};
+  const std::vector<double> own(partial.begin(), partial.end());
+  std::ranges::fill(partial, 0.0);
   bool added_own = false;
   const auto add_own = [&] {
-    for (std::size_t index = 0; index < own.size(); ++index) partial[index] += own[index];
+    for (std::size_t k = 0; k < own.size(); ++k) partial[k] += own[k];
     added_own = true;
   };
   for (const Neighbour& neighbour : m.neighbours) {
     if (!added_own && neighbour.rank > m.side.rank()) add_own();
-    for (std::size_t i = 0; i < neighbour.bodies.size(); ++i) {
-      const double* load = neighbour.theirs.data() + 6 * i;
-      partial[neighbour.bodies[i]] += Load{Vec3(load[0], load[1], load[2]), Vec3(load[3], load[4], load[5])};
+    const double* theirs = neighbour.theirs.data();
+    for (const std::size_t index : neighbour.bodies) {
+      for (std::size_t n = 0; n < numbers; ++n) partial[numbers * index + n] += *theirs++;
     }
   }
   if (!added_own) add_own();
+}
+
+void FluidLink::sum_over_sharers(std::span<Load> partial) {
+  std::vector<double> numbers;
+  for (const Load& load : partial) {
+    numbers.insert(numbers.end(), load.force.begin(), load.force.end());
+    numbers.insert(numbers.end(), load.torque.begin(), load.torque.end());
+  }
+  sum_over_sharers(numbers, 6);
+  for (std::size_t b = 0; b < partial.size(); ++b) {
+    const double* sums = numbers.data() + 6 * b;
+    partial[b] = {Vec3(sums[0], sums[1], sums[2]), Vec3(sums[3], sums[4], sums[5])};
+  }
 }
 
 const LinkCounters& FluidLink::counters() const {

@@ -50,6 +50,7 @@ void Bodies::assign(const std::vector<FluidBody>& bodies) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const FluidBody& body = bodies_[b];
     if (body.applied.force.isZero()) continue;  // nothing known yet, or out of the water
+    if (!left_out_.empty() && left_out_[body.shape]) continue;
     const auto& mass = shape_of(body).mass;
     const Vec3 force = body.applied.force + body.state.contact_force;
     const Vec3 torque = body.applied.torque + body.state.contact_torque;
@@ -160,6 +161,15 @@ void Bodies::predict(std::span<const Load> total, double step) {
     state.velocity += step * ((total[b].force + state.contact_force) / mass.mass + gravity_);
     state.angular_velocity += step * angular_acceleration(state, mass.inertia, total[b].torque + state.contact_torque);
   }
+}
+
+Eigen::Matrix<double, 6, 1> Bodies::push_without_load(std::size_t body) const {
+  const coupling::State& state = bodies_[body].state;
+  const Vec3 omega = state.orientation.conjugate() * state.angular_velocity;
+  const Vec3 gyroscopic = state.orientation * omega.cross(mass(body).inertia.cwiseProduct(omega));
+  Eigen::Matrix<double, 6, 1> result;
+  result << state.contact_force + mass(body).mass * gravity_, state.contact_torque - gyroscopic;
+  return result;
 }
 
 double Bodies::depth_in(std::size_t body, const Vec3& place) const {

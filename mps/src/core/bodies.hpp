@@ -40,6 +40,12 @@ class Bodies {
   /// (notes on coupling, scheme P).
   void predict(std::span<const coupling::Load> total, double step);
 
+  /// What moves a body but for the water: contact force and weight [N], and torque with the gyroscopic one [N m].
+  [[nodiscard]] Eigen::Matrix<double, 6, 1> push_without_load(std::size_t body) const;
+  [[nodiscard]] const coupling::MassProperties& mass(std::size_t body) const { return shape_of(bodies_[body]).mass; }
+  /// Bodies of these shapes: the extrapolation takes them as not accelerated (LightBodies does that part).
+  void leave_accelerations_of(const std::vector<char>& shapes) { left_out_ = shapes; }
+
   /// Whether a place has no room for a water particle: inside a body, or squeezed between two.
   [[nodiscard]] bool displaces(const double* x) const;
   /// Depth [m] of a place below the surface of one body (negative outside; minus the support where far away).
@@ -77,6 +83,7 @@ class Bodies {
   int first_owner_;
   coupling::Vec3 gravity_;
   std::vector<ShapeData> shapes_;
+  std::vector<char> left_out_;  ///< of each shape; empty: none
   std::vector<coupling::FluidBody> bodies_;
   std::vector<coupling::Vec3> acceleration_, angular_acceleration_;  ///< of each body, for the extrapolation
 };

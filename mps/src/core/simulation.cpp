@@ -65,7 +65,7 @@ void Simulation::step(double share_of_window) {
       window_load_[b].force += share_of_window * load_[b].force;
       window_load_[b].torque += share_of_window * load_[b].torque;
     }
-    if (scene_.coupling.predictor && share_of_window < 1) {
+    if (predicts() && share_of_window < 1) {
       link_->sum_over_sharers(load_);
       bodies_->predict(load_, constants_.step);
     }
@@ -298,6 +298,10 @@ void Simulation::evaluate_forces(double time) {
   }
   guard_reaction_ = {};
   guard_.apply(particles_, neighbours_, bodies(), time, constants_.step, acceleration_, guard_reaction_, load_);
+  if (light_bodies_) {
+    light_bodies_->apply(particles_, neighbours_, *bodies_, *link_, predicts() ? constants_.step : window_length(),
+                         acceleration_, load_);
+  }
 }
 
 void Simulation::integrate_velocities() {
@@ -396,8 +400,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   if (constants_.central_force > 0) central_force_.emplace(constants_);
   MPI_Comm_rank(comm, &rank_);
-  if (link_ != nullptr) bodies_.emplace(constants_, link_->solid().shapes, walls_.count());
-  if (bodies_ && scene.coupling.loads == Loads::pressure) surface_loads_.emplace(constants_, *bodies_, walls_.count());
+  if (link_ != nullptr) adopt_bodies();
   if (restart != nullptr) {
     restore(*restart);
     return;
@@ -405,7 +408,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   int size = 1;
   MPI_Comm_size(comm, &size);
   InitialParticles initial = fill(scene, constants_, walls_, rank_, size);
-  warnings_ = std::move(initial.warnings);
+  warnings_.insert(warnings_.end(), initial.warnings.begin(), initial.warnings.end());
   particles_.assign(initial.water);
   adopt_walls(initial.walls);
   decompose();
@@ -478,21 +481,6 @@ void Simulation::measure_imbalance() {
   imbalance_ = sum > 0 ? largest * size / sum : 1.0;
 }
 
-/// Bodies must be where the water's domain is: at the start the user's mistake, later a body that was thrown out.
-void Simulation::check_bodies() const {
-  for (const auto& body : bodies_->all()) {
-    for (int c = 0; c < constants_.dimension; ++c) {
-      const double x = body.state.position[c];
-      if (x >= scene_.domain.lower[c] && x <= scene_.domain.upper[c]) continue;
-      const std::string message = fmt::format(
-          "body {} is at ({:.5g}, {:.5g}, {:.5g}) m, outside the water's domain (scene: domain.lower, domain.upper)",
-          body.tag, body.state.position[0], body.state.position[1], body.state.position[2]);
-      if (!started_) throw coupling::InputError(message);
-      throw coupling::InstabilityError(fmt::format("step {}, t = {:.6g} s: {}", counters_.steps, time_, message));
-    }
-  }
-}
-
 void Simulation::decompose() {
   const Timer timer(phases_, Phase::search);
   std::vector<double> positions;
@@ -522,18 +510,6 @@ void Simulation::decompose() {
   anywhere_ = true;
   lists_valid_ = false;
   ++counters_.decompositions;
-}
-
-void Simulation::remove_water_in_bodies() {
-  auto water = own_water();
-  const auto before = water.size();
-  // The lattice sites whose centre lies in a body make up the displaced volume; a site in a gap too narrow for a
-  // particle goes as well. (Removing all that is closer than half a spacing would take 3 % too much water from under
-  // the floes.)
-  std::erase_if(water, [&](const Traveller& traveller) { return bodies_->displaces(traveller.record.x); });
-  std::int64_t removed = static_cast<std::int64_t>(before - water.size());
-  MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);
-  particles_.assign(water);
 }
 
 std::vector<Traveller> Simulation::own_water() const {

@@ -15,6 +15,7 @@
 #include "core/friction.hpp"
 #include "core/guard.hpp"
 #include "core/halo.hpp"
+#include "core/light_bodies.hpp"
 #include "core/neighbours.hpp"
 #include "core/operators.hpp"
 #include "core/phases.hpp"
@@ -113,6 +114,8 @@ class Simulation {
 
   void step(double share_of_window);
   [[nodiscard]] int steps_of_window();
+  /// Whether the velocity of bodies changes in every step; otherwise only from window to window.
+  [[nodiscard]] bool predicts() const { return scene_.coupling.predictor || steps_per_window_ == 1; }
   void step_symplectic();
   void move(double step);
   void move_walls(double step);
@@ -132,6 +135,7 @@ class Simulation {
   void check_window();
   void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
+  void adopt_bodies();
   void adopt_walls(const std::vector<Traveller>& points);
   void place_wall_points(double time);
   void accelerate_points(double time);
@@ -162,6 +166,7 @@ class Simulation {
   std::optional<Corrections> corrections_;
   std::optional<Turbulence> turbulence_;
   std::optional<SurfaceLoads> surface_loads_;
+  std::optional<LightBodies> light_bodies_;  ///< where the scene has any
   std::optional<CentralForce> central_force_;
   int steps_per_window_ = 1;
 

@@ -167,7 +167,10 @@ class FluidLink {
   /// Completes the window: updates the state of each of bodies().
   void receive_states();
 
-  /// Sums partial loads over the fluid ranks that share each body, in rank order (bitwise the same on all of them).
+  /// Sums `numbers` values of each of bodies() over the fluid ranks that share it, in rank order (bitwise the same on
+  /// all of them).
+  void sum_over_sharers(std::span<double> partial, std::size_t numbers);
+  /// Likewise partial loads, one per body.
   void sum_over_sharers(std::span<Load> partial);
 
   [[nodiscard]] const LinkCounters& counters() const;

@@ -1,0 +1,59 @@
+// Bodies so light that the water's push must know how they yield to it within the step.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/bodies.hpp"
+#include "core/constants.hpp"
+#include "core/neighbours.hpp"
+#include "embacle/coupling/link.hpp"
+
+namespace embacle::mps {
+
+/// The load on a light body depends on its acceleration a_b: sound carries away rho0 c0 per area of face and speed, and
+/// the pressure of its points is extrapolated with rho0 a_b. Taken from the step before, either throws about a body
+/// that weighs less than what it pushes; so both are solved for together with the acceleration. A point with the
+/// outward normal n presses on the water by
+///   dp = k a_b.n,   k = 2 s rho0 c0 T + rho0 l0,   s = max(0, 1 - 1/(2 chi)),   chi = largest eigenvalue of M^-1 Z T,
+/// more than at a_b = 0, on both in opposite directions along their line, so that momentum stays exact:
+///   (M + k G) a_b = F + F_contact + M g,   Z = 2 rho0 c0 G,   G = (d/(rho0 n0)) m SUM r F e n^T   (with arms: 6 x 6)
+/// T: for how long a body keeps its velocity, a step or a window. The first term of k is needed only where chi > 1/2
+/// (notes on coupling, section 2); the 2 is because the pair force takes half of a point's pressure from the water. A
+/// body without weight takes any motion that leaves no force on it.
+///
+/// Only bodies whose chi passes 1/2 when all their surface is wet are treated so; a scene without them does nothing.
+class LightBodies {
+ public:
+  /// `horizon`: T [s] at the longest step. `shapes`: of all bodies.
+  LightBodies(const Constants& constants, const std::vector<coupling::Shape>& shapes, int first_owner, double horizon);
+
+  [[nodiscard]] bool any() const;
+  /// Of each shape: whether its bodies are light.
+  [[nodiscard]] const std::vector<char>& light() const { return light_; }
+  /// Largest chi of the shapes, when all their surface is wet.
+  [[nodiscard]] double largest_chi() const { return largest_chi_; }
+
+  /// Adds dp to the acceleration [m/s^2] of the own water and to this rank's part of the load on each body. `horizon`:
+  /// T [s] of this step. Exchanges messages between the fluid ranks that share bodies.
+  void apply(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, coupling::FluidLink& link,
+             double horizon, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load) const;
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  /// Calls `visit(i, thread, body, push, yield)` for each pair of own water and a light body's point: `push` is force
+  /// and torque on the body for a unit of dp, `yield` the derivative of its dp/k by the body's acceleration.
+  template <class Visit>
+  void for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
+                 const Visit& visit) const;
+
+  const Constants& constants_;
+  int first_owner_;
+  double largest_chi_ = 0;
+  std::vector<char> light_;
+  std::vector<std::vector<coupling::Vec3>> normal_;  ///< of each light shape's points, outward, in the body frame
+};
+
+}  // namespace embacle::mps
