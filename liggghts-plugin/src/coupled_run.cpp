@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "fix_floe_create.hpp"
@@ -80,6 +81,51 @@ void keep_in_plane(FixMultisphere* multisphere) {
   }
 }
 
+/// Who was there at the last plan. LIGGGHTS drops a body that leaves its box (`boundary f`) without a word.
+class RollCall {
+ public:
+  explicit RollCall(MPI_Comm own) : own_(own) {}
+
+  /// Warns of bodies that are gone since the last call, each by the rank that had it. Collective.
+  void check(const std::vector<coupling::SolidBody>& bodies, double time) {
+    std::int64_t here = static_cast<std::int64_t>(bodies.size()), all = 0;
+    MPI_Allreduce(&here, &all, 1, MPI_INT64_T, MPI_SUM, own_);
+    if (all < all_) {
+      const std::vector<std::int64_t> present = tags_of_all(bodies);
+      for (const auto& [tag, place] : last_) {
+        if (std::ranges::find(present, tag) != present.end()) continue;
+        fmt::print(
+            stderr,
+            "liggghts-mps: warning: by t = {:.6g} s body {}, last planned at ({:.5g}, {:.5g}, {:.5g}) m, has left "
+            "the solids; the water no longer feels it. Where it was not meant to leave, make the region of "
+            "create_box larger, or look for what threw it\n",
+            time, tag, place[0], place[1], place[2]);
+      }
+    }
+    all_ = all;
+    last_.clear();
+    for (const coupling::SolidBody& body : bodies) last_[body.tag] = body.state.position;
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::int64_t> tags_of_all(const std::vector<coupling::SolidBody>& bodies) const {
+    std::vector<std::int64_t> mine;
+    for (const coupling::SolidBody& body : bodies) mine.push_back(body.tag);
+    int ranks = 1, count = static_cast<int>(mine.size());
+    MPI_Comm_size(own_, &ranks);
+    std::vector<int> counts(ranks), first(ranks + 1);
+    MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, own_);
+    for (int r = 0; r < ranks; ++r) first[r + 1] = first[r] + counts[r];
+    std::vector<std::int64_t> result(first[ranks]);
+    MPI_Allgatherv(mine.data(), count, MPI_INT64_T, result.data(), counts.data(), first.data(), MPI_INT64_T, own_);
+    return result;
+  }
+
+  MPI_Comm own_;
+  std::int64_t all_ = 0;
+  std::map<coupling::BodyTag, coupling::Vec3> last_;  ///< of this rank's bodies [m]
+};
+
 void count_window(SolidReport& report, const SubSteps& chosen, double window) {
   report.fewest_sub_steps =
       report.windows == 0 ? chosen.count : std::min<std::int64_t>(report.fewest_sub_steps, chosen.count);
@@ -146,8 +192,11 @@ void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants
   }
   const bool parallel = link.fluid().scheme == coupling::Scheme::parallel;
   bool first = !fix->continues();
+  RollCall roll_call(own);
   while (true) {
-    const Epoch epoch = link.plan(own_region(lammps->domain), fix->bodies());
+    const std::vector<coupling::SolidBody> bodies = fix->bodies();
+    const Epoch epoch = link.plan(own_region(lammps->domain), bodies);
+    roll_call.check(bodies, epoch.time);
     if (epoch.checkpoint) {
       fix->progress = progress_of(report);
       lammps->update->update_time();
