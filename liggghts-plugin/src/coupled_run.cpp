@@ -109,8 +109,8 @@ class RollCall {
 
  private:
   [[nodiscard]] std::vector<std::int64_t> tags_of_all(const std::vector<coupling::SolidBody>& bodies) const {
-    std::vector<std::int64_t> mine;
-    for (const coupling::SolidBody& body : bodies) mine.push_back(body.tag);
+    std::vector<std::int64_t> mine(bodies.size());
+    std::ranges::transform(bodies, mine.begin(), &coupling::SolidBody::tag);
     int ranks = 1, count = static_cast<int>(mine.size());
     MPI_Comm_size(own_, &ranks);
     std::vector<int> counts(ranks), first(ranks + 1);

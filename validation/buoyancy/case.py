@@ -12,7 +12,7 @@ TITLE = "blocks at rest in water, 2-D, against Archimedes"
 L0, DEPTH, WIDTH, WATER = 0.01, 0.3, 0.4, 1000.0  # [m], [m], [m], [kg/m3]
 GRAVITY = 9.81
 SETTLED = 2.0  # [s]: from here on values are taken
-RAFTS = {"quick": {10: (900,)}, "normal": {n: (100, 500, 900, 990) for n in (3, 5, 10, 20)}}  # layers: densities
+RAFTS = {"quick": {10: (900,)}, "normal": {n: (1, 100, 500, 900, 990) for n in (3, 5, 10, 20)}}  # layers: densities
 RAFTS["full"] = RAFTS["normal"]
 
 
