@@ -63,11 +63,9 @@ def measure(context):
                                       0.2, "l0", "serial, 1 step a window", required=False)
     for density in DENSITIES[context.effort]:
         for scheme in SCHEMES:
-            for layout in ("shared", "separate"):
-                points = [row for row in rows if row[:3] == (density, layout, scheme) and 0 < row[4] < float("inf")]
-                if points:
-                    context.curve(f"{density} kg/m3: error against run time; wall time [s]; RMS distance [l0]",
-                                  f"{scheme}, {layout}", [row[5] for row in points], [row[4] for row in points])
+            points = [row for row in rows if row[:3] == (density, "shared", scheme) and row[4] < float("inf")]
+            context.curve(f"{density} kg/m3; steps a window; RMS distance [l0]", scheme, [row[3] for row in points],
+                          [row[4] for row in points])
     context.note("| density [kg/m3] | layout | scheme | steps a window | RMS distance [l0] | wall time [s] | "
                  "loads applied less felt | momentum | end |")
     context.note("|---|---|---|---|---|---|---|---|---|")
