@@ -322,8 +322,8 @@ class Judgement:
 
 
 def measure(context):
-    context.note(f"Energy of water and floes, of that available: gain over the start (above {GAIN:.0%}: wrong) and rise "
-                 "over the lowest before. Penetration: of the thickness. Inside: most water particles in floes at once. "
+    context.note(f"Energy of water and floes, of that available: gain over the start (above {GAIN:.0%}: wrong) and "
+                 "rise over the lowest before. Penetration: of the thickness. Inside: most water particles in floes. "
                  "Density: largest deviation. Core-seconds: ranks times wall time, also where cores are fewer.")
     context.note("")
     context.note("| axis | setting | outcome | gain | rise | fastest [m/s] | penetration | inside | density | wall [s] "
