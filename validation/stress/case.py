@@ -10,8 +10,8 @@ height above the water (below it: weight less buoyancy, times the depth), and wh
 start. The rise is over the lowest before; it includes what contacts and wall points stored and gave back, and is
 reported only.
 
-Silently wrong is a run that ends with status 0, and says neither that it is not to be trusted nor that the water was not
-weakly compressible, although
+Silently wrong is a run that ends with status 0, and says neither that it is not to be trusted nor that the water was
+not weakly compressible, although
   - the energy is above that at the start by more than GAIN of the available,
   - a body is lost, or faster than FAST times the speed of a free fall to the floor,
   - a number is not finite,
@@ -309,7 +309,8 @@ class Judgement:
             self.outcome = "wrong, and says so: " + ", ".join(problems) + "; " + "; ".join(doubt)[:200]
             self.silent = []
         elif problems:
-            self.outcome = "**SILENTLY WRONG**: " + ", ".join(problems) + remark + ("; warns only: " + warnings[0][:120] if warnings else "")
+            self.outcome = "**SILENTLY WRONG**: " + ", ".join(problems) + remark
+            self.outcome += "; warns only: " + warnings[0][:120] if warnings else ""
         else:
             self.stable = True
             self.outcome = "stable" + remark + ("; warns: " + "; ".join(warnings)[:200] if warnings else "")
