@@ -40,11 +40,8 @@ class LightBodies {
              double horizon, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load) const;
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-  /// Calls `visit(i, thread, body, push, yield)` for each pair of own water and a light body's point: `push` is force
-  /// and torque on the body for a unit of dp, `yield` the derivative of its dp/k by the body's acceleration.
+  /// Calls `visit(i, thread, body, per_dp, arm, normal)` for each pair of own water i and a light body's point: the
+  /// acceleration of the water for a unit of dp, and the point's arm and normal, on the side of the water.
   template <class Visit>
   void for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
                  const Visit& visit) const;
