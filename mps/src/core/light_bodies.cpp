@@ -97,28 +97,39 @@ template <class Visit>
 void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
                             const Visit& visit) const {
   const double scale = constants_.gradient_factor / constants_.density;
+  const auto weight = [&](double distance) {
+    return constants_.kernel == KernelKind::wendland
+               ? Kernel<KernelKind::wendland>{1 / constants_.support}.gradient_weight(distance)
+               : Kernel<KernelKind::rational>{1 / constants_.support}.gradient_weight(distance);
+  };
   for_each(particles.water, [&](std::size_t i, int thread) {
     const NeighbourRange range = neighbours.of_water(i);
-    const double* x = particles.record[i].x;
+    const Record& water = particles.record[i];
     for (auto k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {
       const Identity& identity = particles.identity[*k];
       if (identity.owner < first_owner_) continue;
       const auto b = static_cast<std::size_t>(identity.owner - first_owner_);
       const coupling::FluidBody& body = bodies.all()[b];
       if (!light_[body.shape]) continue;
-      const double* place = particles.record[*k].x;
-      Vec3 away = Vec3::Zero();
-      for (int c = 0; c < constants_.dimension; ++c) away[c] = x[c] - place[c];
+      const Record& point = particles.record[*k];
+      Vec3 away = Vec3::Zero(), approach = Vec3::Zero();
+      for (int c = 0; c < constants_.dimension; ++c) {
+        away[c] = water.x[c] - point.x[c];
+        approach[c] = point.v[c] - water.v[c];
+      }
       const double distance = away.norm();
       if (distance >= constants_.support) continue;
-      const double weight = constants_.kernel == KernelKind::wendland
-                                ? Kernel<KernelKind::wendland>{1 / constants_.support}.gradient_weight(distance)
-                                : Kernel<KernelKind::rational>{1 / constants_.support}.gradient_weight(distance);
-      const Vec3 acceleration = scale * weight * away;  // of the water, for a unit of dp
-      const Vec3 arm = Vec3(place[0], place[1], place[2]) - body.state.position;
-      Vec3 normal = body.state.orientation * normal_[body.shape][identity.point];
-      if (normal.dot(away) < 0) normal = -normal;  // a plate of one layer has water on both sides of its points
-      visit(i, thread, b, acceleration, arm, normal);
+      Pair pair;
+      pair.body = b;
+      const double now = weight(distance);
+      pair.per_dp = scale * now * away;
+      pair.arm = Vec3(point.x[0], point.x[1], point.x[2]) - body.state.position;
+      pair.normal = body.state.orientation * normal_[body.shape][identity.point];
+      if (pair.normal.dot(away) < 0) pair.normal = -pair.normal;  // a plate of one layer has water on both sides
+      const double before = distance + constants_.step * approach.dot(away) / distance;  // a step ago
+      const double growth = 1 - weight(before) * before / (now * distance);
+      pair.taken_up = std::max(0.0, growth) / constants_.step * approach.dot(pair.normal);
+      visit(i, thread, pair);
     }
   });
 }
@@ -129,45 +140,59 @@ void LightBodies::apply(const Particles& particles, const Neighbours& neighbours
   const std::size_t count = bodies.count();
   const double mass = constants_.particle_mass;
 
-  // F and G of each body, over all ranks: 6 + 36 numbers.
-  std::vector<std::vector<Matrix6>> parts(threads(), std::vector<Matrix6>(count, Matrix6::Zero()));
-  for_pairs(particles, neighbours, bodies,
-            [&](std::size_t, int thread, std::size_t b, const Vec3& per_dp, const Vec3& arm, const Vec3& normal) {
-              parts[thread][b] += mass * with_moment(arm, per_dp) * with_moment(arm, normal).transpose();
-            });
-  constexpr int numbers = 42;
+  // F, H and G of each body, over all ranks: 6 + 6 + 36 numbers.
+  struct Sums {
+    Vector6 taken_up = Vector6::Zero();
+    Matrix6 matrix = Matrix6::Zero();
+  };
+  std::vector<std::vector<Sums>> parts(threads(), std::vector<Sums>(count));
+  for_pairs(particles, neighbours, bodies, [&](std::size_t, int thread, const Pair& pair) {
+    const Vector6 push = mass * with_moment(pair.arm, pair.per_dp);
+    parts[thread][pair.body].taken_up += pair.taken_up * push;
+    parts[thread][pair.body].matrix += push * with_moment(pair.arm, pair.normal).transpose();
+  });
+  constexpr int numbers = 48;
   std::vector<double> sums(numbers * count);
   for (std::size_t b = 0; b < count; ++b) {
-    Eigen::Map<Vector6> whole(&sums[numbers * b]);
-    Eigen::Map<Matrix6> matrix(&sums[numbers * b + 6]);
+    Eigen::Map<Vector6> whole(&sums[numbers * b]), taken_up(&sums[numbers * b + 6]);
+    Eigen::Map<Matrix6> matrix(&sums[numbers * b + 12]);
     whole << load[b].force, load[b].torque;
+    taken_up.setZero();
     matrix.setZero();
-    for (const auto& part : parts) matrix += part[b];
+    for (const auto& part : parts) {
+      taken_up += part[b].taken_up;
+      matrix += part[b].matrix;
+    }
   }
   link.sum_over_sharers(sums, numbers);
 
   // What each body does in this step.
-  std::vector<Vector6> yields(count, Vector6::Zero());  ///< k times its acceleration
+  struct Yield {
+    double k = 0;
+    Vector6 acceleration = Vector6::Zero();
+  };
+  std::vector<Yield> yields(count);
   for (std::size_t b = 0; b < count; ++b) {
     if (!light_[bodies.all()[b].shape]) continue;
-    const Eigen::Map<const Vector6> whole(&sums[numbers * b]);
-    const Eigen::Map<const Matrix6> matrix(&sums[numbers * b + 6]);
+    const Eigen::Map<const Vector6> whole(&sums[numbers * b]), taken_up(&sums[numbers * b + 6]);
+    const Eigen::Map<const Matrix6> matrix(&sums[numbers * b + 12]);
     const Matrix6 inertia = inertia_of(bodies.mass(b), bodies.all()[b].state.orientation);
     const double impedance = 2 * constants_.density * constants_.sound_speed;
     const double chi = impedance * horizon * largest_eigenvalue(inertia, matrix);
     const double share = chi > explicit_chi ? 1 - explicit_chi / chi : 0;
     const double k = share * impedance * horizon + constants_.density * constants_.particle_distance;
-    const Vector6 push = bodies.push_without_load(b) + whole;
-    yields[b] = k * (inertia + k * matrix).partialPivLu().solve(push);
+    const Vector6 push = bodies.push_without_load(b) + whole - k * taken_up;
+    yields[b] = {k, (inertia + k * matrix).partialPivLu().solve(push)};
   }
 
   std::vector<std::vector<Vector6>> reactions(threads(), std::vector<Vector6>(count, Vector6::Zero()));
-  for_pairs(particles, neighbours, bodies,
-            [&](std::size_t i, int thread, std::size_t b, const Vec3& per_dp, const Vec3& arm, const Vec3& normal) {
-              const Vec3 change = yields[b].dot(with_moment(arm, normal)) * per_dp;
-              for (int c = 0; c < constants_.dimension; ++c) acceleration[i][c] += change[c];
-              reactions[thread][b] -= mass * with_moment(arm, change);
-            });
+  for_pairs(particles, neighbours, bodies, [&](std::size_t i, int thread, const Pair& pair) {
+    const Yield& yield = yields[pair.body];
+    const double dp = yield.k * (yield.acceleration.dot(with_moment(pair.arm, pair.normal)) + pair.taken_up);
+    const Vec3 change = dp * pair.per_dp;
+    for (int c = 0; c < constants_.dimension; ++c) acceleration[i][c] += change[c];
+    reactions[thread][pair.body] -= mass * with_moment(pair.arm, change);
+  });
   for (std::size_t b = 0; b < count; ++b) {
     for (const auto& part : reactions) {
       load[b].force += part[b].head<3>();

@@ -15,9 +15,13 @@ namespace embacle::mps {
 /// the pressure of its points is extrapolated with rho0 a_b. Taken from the step before, either throws about a body
 /// that weighs less than what it pushes; so both are solved for together with the acceleration. A point with the
 /// outward normal n presses on the water by
-///   dp = k a_b.n,   k = 2 s rho0 c0 T + rho0 l0,   s = max(0, 1 - 1/(2 chi)),   chi = largest eigenvalue of M^-1 Z T,
-/// more than at a_b = 0, on both in opposite directions along their line, so that momentum stays exact:
-///   (M + k G) a_b = F + F_contact + M g,   Z = 2 rho0 c0 G,   G = (d/(rho0 n0)) m SUM r F e n^T   (with arms: 6 x 6)
+///   dp = k (a_b.n + u),   k = 2 s rho0 c0 T + rho0 l0,   s = max(0, 1 - 1/(2 chi))
+/// more than at a_b = 0, on both in opposite directions along their line, so that momentum stays exact; chi is the
+/// largest eigenvalue of M^-1 Z T. With arms, matrices are 6 x 6:
+///   (M + k G) a_b = F + F_contact + M g - k H,   Z = 2 rho0 c0 G,   G = (d/(rho0 n0)) m SUM r F e n^T,
+/// and H likewise of u. So k G is a mass that the body carries. Where it grows, because pairs come closer, what is
+/// taken up has the speed of the water: u = (v_b - v_f).n d(ln r F)/dt, zero where they part. (Without u it would have
+/// the body's, and energy would come from nothing.)
 /// T: for how long a body keeps its velocity, a step or a window. The first term of k is needed only where chi > 1/2
 /// (notes on coupling, section 2); the 2 is because the pair force takes half of a point's pressure from the water. A
 /// body without weight takes any motion that leaves no force on it.
@@ -40,8 +44,15 @@ class LightBodies {
              double horizon, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load) const;
 
  private:
-  /// Calls `visit(i, thread, body, per_dp, arm, normal)` for each pair of own water i and a light body's point: the
-  /// acceleration of the water for a unit of dp, and the point's arm and normal, on the side of the water.
+  /// Own water and a light body's point within the support.
+  struct Pair {
+    std::size_t body = 0;
+    coupling::Vec3 per_dp;  ///< acceleration of the water for a unit of dp
+    coupling::Vec3 arm;     ///< of the point, from the body's centre [m]
+    coupling::Vec3 normal;  ///< outward, on the side of the water
+    double taken_up = 0;    ///< growth of the weight in a unit of time, times the normal approach [m/s^2]
+  };
+  /// Calls `visit(i, thread, pair)` for each pair with own water i.
   template <class Visit>
   void for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
                  const Visit& visit) const;
