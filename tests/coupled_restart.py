@@ -101,6 +101,10 @@ class Continuing(CoupledRestart):
     def test_adaptive_steps_and_loads_by_pressure(self):
         self.compare("--set", "coupling.loads=pressure", "--set", "numerics.adaptive_step=true")
 
+    def test_light_bodies(self):
+        self.edit("in.blocks", "density 870 ", "density 5 ")
+        self.compare()
+
     def test_contacts_of_spheres_and_their_water_pressure(self):
         path = self.scene / "in.blocks"
         path.write_text(path.read_text().replace("model floe", "model hertz tangential history")
