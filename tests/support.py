@@ -41,10 +41,15 @@ def start(*arguments):
                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 
 
+def patience(seconds):
+    """What a machine as busy as this one may take for what an idle one does in `seconds`."""
+    return seconds * max(1, os.getloadavg()[0] / os.cpu_count())
+
+
 def finish(process, since, limit):
     """Waits for the end of a front door; one that exceeds the limit is ended and fails the test."""
     try:
-        stdout, stderr = process.communicate(timeout=limit)
+        stdout, stderr = process.communicate(timeout=patience(limit))
     except subprocess.TimeoutExpired:
         process.terminate()
         stdout, stderr = process.communicate(timeout=30)
@@ -83,7 +88,7 @@ class SceneTest(unittest.TestCase):
     def assert_refused(self, outcome, status, *expected, within=END_LIMIT):
         """The run ended in time with the status and one clear message that holds the expected words."""
         self.assertEqual(outcome.status, status, outcome)
-        self.assertLess(outcome.seconds, within, outcome)
+        self.assertLess(outcome.seconds, patience(within), outcome)
         for word in expected:
             self.assertRegex(outcome.stderr, re.compile(word), outcome)
         for word in NOISE:
