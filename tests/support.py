@@ -48,12 +48,13 @@ def patience(seconds):
 
 def finish(process, since, limit):
     """Waits for the end of a front door; one that exceeds the limit is ended and fails the test."""
+    limit = patience(limit)
     try:
-        stdout, stderr = process.communicate(timeout=patience(limit))
+        stdout, stderr = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired:
         process.terminate()
         stdout, stderr = process.communicate(timeout=30)
-        raise AssertionError(f"not ended after {limit} s\n--- stdout\n{stdout}\n--- stderr\n{stderr}") from None
+        raise AssertionError(f"not ended after {limit:.0f} s\n--- stdout\n{stdout}\n--- stderr\n{stderr}") from None
     return Outcome(process.returncode, stdout, stderr, time.monotonic() - since)
 
 
