@@ -12,8 +12,9 @@ struct Energies {
   double kinetic = 0;  ///< [J]
   /// Of the gravity that pressure can balance, zero at the origin, and of the central force, zero at its centre [J].
   double potential = 0;
-  double elastic = 0;  ///< of compression [J]
-  [[nodiscard]] double total() const { return kinetic + potential + elastic; }
+  double elastic = 0;    ///< of compression [J]
+  double in_solids = 0;  ///< taken up by the pressure of solid points since the start, in audited runs [J]
+  [[nodiscard]] double total() const { return kinetic + potential + elastic + in_solids; }
 };
 
 struct WaterState {

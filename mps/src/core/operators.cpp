@@ -136,6 +136,33 @@ void forces(const Particles& particles, const Neighbours& neighbours, const Cons
   });
 }
 
+template <int D, KernelKind K>
+double solid_power(const Particles& particles, const Neighbours& neighbours, const Constants& c,
+                   const std::vector<Triple>& acceleration) {
+  const Kernel<K> kernel{1.0 / c.support};
+  const Record* records = particles.record.data();
+  const double half_step = 0.5 * c.step;
+  ThreadSums<double> sums;
+  sums.reset(1);
+  for_each(particles.water, [&](std::size_t i, int thread) {
+    const NeighbourRange range = neighbours.of_water(i);
+    if (range.middle == range.end) return;
+    const Record& me = records[i];
+    double v[3];
+    for (int d = 0; d < 3; ++d) v[d] = me.v[d] - half_step * acceleration[i][d];
+    Pack sum = splat(0);
+    for (auto k = range.middle; k < range.end; k += lanes) {
+      const RecordPack other = load(records, k);
+      const Pack dx = other.x - me.x[0], dy = other.y - me.x[1], dz = other.z - me.x[2];
+      const Pack f = kernel.gradient_weight(square_root(dot<D>(dx, dy, dz, dx, dy, dz)), max_zero);
+      sum += f * other.p * dot<D>(v[0] - other.vx, v[1] - other.vy, v[2] - other.vz, dx, dy, dz);
+    }
+    *sums.of_thread(thread) += horizontal_sum(sum);
+  });
+  sums.join();
+  return c.gradient_factor * c.particle_mass / c.density * sums.total()[0];
+}
+
 }  // namespace
 
 void advance_density(Particles& particles, const Neighbours& neighbours, const Constants& constants, double step,
@@ -163,6 +190,14 @@ void accelerate(const Particles& particles, const Neighbours& neighbours, const 
       forces<D, K, false>(particles, neighbours, constants, acceleration, reaction, part);
     }
   });
+}
+
+double power_into_solids(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
+                         const std::vector<Triple>& acceleration) {
+  double power = 0;
+  dispatch(constants,
+           [&]<int D, KernelKind K>() { power = solid_power<D, K>(particles, neighbours, constants, acceleration); });
+  return power;
 }
 
 }  // namespace embacle::mps

@@ -52,6 +52,13 @@ void extrapolate_pressure(Particles& particles, const Neighbours& neighbours, co
 void accelerate(const Particles& particles, const Neighbours& neighbours, const Constants& constants,
                 std::vector<Triple>& acceleration, Reactions& reaction, Part part = Part::all);
 
+/// Power [W] by which the own water compresses the solid points, as if they were water at their pressure:
+///   (m/rho0) (d/n0) SUM p_b (v_i - v_b).r_ib F,
+/// the part of the pressure's work on the water that no density of water answers. Half a step of `acceleration` is
+/// taken off the velocities, which are ahead by that much.
+[[nodiscard]] double power_into_solids(const Particles& particles, const Neighbours& neighbours,
+                                       const Constants& constants, const std::vector<Triple>& acceleration);
+
 /// Slot of a solid point (own or ghost) or of the sentinel in the reaction array.
 [[nodiscard]] inline std::size_t reaction_slot(const Particles& particles, std::size_t j) {
   return j < particles.own() ? j - particles.water : j - particles.own() - particles.ghost_water + particles.solid;

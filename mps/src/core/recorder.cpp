@@ -57,12 +57,22 @@ void Recorder::open_files(std::optional<double> keep_until, std::vector<FrameRec
     fields_ = std::make_unique<FieldWriter>(simulation.comm(), folder_, std::move(earlier_frames));
   }
   if (rank_ == 0) {
-    energies_ = std::make_unique<CsvWriter>(
-        folder_ / "energies.csv",
-        std::vector<std::string>{"t [s]", "kinetic [J]", "potential [J]", "elastic [J]", "total [J]", "mass [kg]",
-                                 "px [N s]", "py [N s]", "pz [N s]", "volume ratio [-]", "outside tank [-]",
-                                 "inside bodies [-]", "deepest in body [m]", "farthest outside tank [m]"},
-        keep_until);
+    std::vector<std::string> columns = {"t [s]",
+                                        "kinetic [J]",
+                                        "potential [J]",
+                                        "elastic [J]",
+                                        "total [J]",
+                                        "mass [kg]",
+                                        "px [N s]",
+                                        "py [N s]",
+                                        "pz [N s]",
+                                        "volume ratio [-]",
+                                        "outside tank [-]",
+                                        "inside bodies [-]",
+                                        "deepest in body [m]",
+                                        "farthest outside tank [m]"};
+    if (scene_.output.audit) columns.push_back("in solids [J]");
+    energies_ = std::make_unique<CsvWriter>(folder_ / "energies.csv", columns, keep_until);
     if (simulation.bodies() != nullptr) {
       bodies_ = std::make_unique<CsvWriter>(
           folder_ / "bodies.csv",
@@ -185,10 +195,22 @@ void Recorder::write_energies() {
   }
   largest_energy_ = std::max({largest_energy_, now_.energy.kinetic, now_.energy.elastic});
   if (rank_ != 0) return;
-  energies_->row(std::vector<double>{
-      simulation_.time(), now_.energy.kinetic, now_.energy.potential, now_.energy.elastic, total, now_.mass,
-      now_.momentum[0], now_.momentum[1], now_.momentum[2], now_.volume_ratio, static_cast<double>(now_.outside_tank),
-      static_cast<double>(now_.inside_bodies), now_.deepest_in_body, now_.farthest_outside_tank});
+  std::vector<double> row = {simulation_.time(),
+                             now_.energy.kinetic,
+                             now_.energy.potential,
+                             now_.energy.elastic,
+                             total,
+                             now_.mass,
+                             now_.momentum[0],
+                             now_.momentum[1],
+                             now_.momentum[2],
+                             now_.volume_ratio,
+                             static_cast<double>(now_.outside_tank),
+                             static_cast<double>(now_.inside_bodies),
+                             now_.deepest_in_body,
+                             now_.farthest_outside_tank};
+  if (scene_.output.audit) row.push_back(now_.energy.in_solids);
+  energies_->row(row);
   energies_->flush();
 }
 
@@ -358,7 +380,8 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   energy.set("start_total", start_.energy.total()).set("end_total", now_.energy.total());
   energy.set("kinetic", now_.energy.kinetic)
       .set("potential", now_.energy.potential)
-      .set("elastic", now_.energy.elastic);
+      .set("elastic", now_.energy.elastic)
+      .set("in_solids", now_.energy.in_solids);
   energy.set("largest_gain", largest_energy_gain_).set("largest_rise", largest_energy_rise_);
   json.set("mass", now_.mass);
   json.set("momentum", Json::Array{now_.momentum[0], now_.momentum[1], now_.momentum[2]});

@@ -83,6 +83,10 @@ void Simulation::save(CheckpointContent& content) {
   content.numbers["imbalance_evened"] = evened_imbalance_;
   content.numbers["audit_reaction_mismatch"] = worst_audit_.reaction_mismatch;
   content.numbers["audit_momentum_residual"] = worst_audit_.momentum_residual;
+  double in_solids[2] = {energy_in_solids_, power_into_solids_};
+  MPI_Allreduce(MPI_IN_PLACE, in_solids, 2, MPI_DOUBLE, MPI_SUM, comm_);
+  content.numbers["energy_in_solids"] = in_solids[0];
+  content.numbers["power_into_solids"] = in_solids[1];
   double extremes[3] = {extremes_.speed, extremes_.compression, extremes_.pressure};
   MPI_Allreduce(MPI_IN_PLACE, extremes, 3, MPI_DOUBLE, MPI_MAX, comm_);
   content.numbers["extreme_speed"] = extremes[0];
@@ -199,6 +203,10 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   imbalance_ = checkpoint.number("imbalance");
   evened_imbalance_ = checkpoint.number("imbalance_evened");
   worst_audit_ = {checkpoint.number("audit_reaction_mismatch"), checkpoint.number("audit_momentum_residual")};
+  if (rank_ == 0) {
+    energy_in_solids_ = checkpoint.number("energy_in_solids");
+    power_into_solids_ = checkpoint.number("power_into_solids");
+  }
   extremes_.speed = checkpoint.number("extreme_speed");
   extremes_.compression = checkpoint.number("extreme_compression");
   extremes_.pressure = checkpoint.number("extreme_pressure");

@@ -365,6 +365,11 @@ void Simulation::integrate_velocities() {
       for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
     }
   }
+  if (scene_.output.audit && scene_.numerics.integrator == Integrator::leapfrog && !corrections_) {
+    const double power = power_into_solids(particles_, neighbours_, constants_, acceleration_);
+    energy_in_solids_ += 0.5 * constants_.step * (power_into_solids_ + power);
+    power_into_solids_ = power;
+  }
   own_motions_ = {0, bodies_ ? bodies_->fastest() : 0, 0};
   for (const Found& part : parts) {
     own_motions_.water = std::max(own_motions_.water, std::sqrt(part.speed_square));

@@ -94,6 +94,9 @@ class Simulation {
   /// Steps before the restart with which this run began.
   [[nodiscard]] std::int64_t earlier_steps() const { return earlier_steps_; }
   [[nodiscard]] const Audit& worst_audit() const { return worst_audit_; }
+  /// What the water of this rank has given to solid points by compressing them, since the start [J]: in audited runs
+  /// with the leapfrog and without shifting, otherwise 0.
+  [[nodiscard]] double energy_in_solids() const { return energy_in_solids_; }
   [[nodiscard]] const Halo& halo() const { return halo_; }
   [[nodiscard]] Phases& phases() { return phases_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
@@ -196,6 +199,7 @@ class Simulation {
   Extremes extremes_;
   Counters counters_;
   Audit worst_audit_;
+  double energy_in_solids_ = 0, power_into_solids_ = 0;  ///< by this rank's water [J], in the last step [W]
   Phases phases_;
 };
 

@@ -203,7 +203,7 @@ struct Numerics {
   double sound_speed = 0;      ///< c0 [m/s]; 0: ten times the reference speed
   double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;
-  double density_diffusion = 0.15;  ///< delta' of notes: coefficient of c0 l0
+  double density_diffusion = 0.06;  ///< delta' of notes: coefficient of c0 l0
   Diffusion diffusion = Diffusion::dynamic;
   WallPressure wall_pressure = WallPressure::extrapolated;
   Regularisation regularisation = Regularisation::collision;

@@ -423,7 +423,7 @@ Schema make_schema() {
                   {{.name = "fields", .meaning = "whether particle fields are written at all"},
                    [](Output& x) -> Target { return &x.fields; }},
                   {{.name = "audit",
-                    .meaning = "check conservation in every window (costs a reduction over the ranks a window)"},
+                    .meaning = "check conservation in every window, count what walls store (a reduction and a sweep)"},
                    [](Output& x) -> Target { return &x.audit; }},
                   {{.name = "checkpoint_every",
                     .meaning = "interval of the checkpoints in simulated time; 0: none",

@@ -153,6 +153,13 @@ TEST(Restart, OnAsManyRanksItContinuesBitForBit) {
     EXPECT_EQ(whole.counters().decompositions, continued.counters().decompositions);
     EXPECT_EQ(continued.earlier_steps(), 153);
     EXPECT_EQ(whole.worst_audit().momentum_residual, continued.worst_audit().momentum_residual);
+    const auto in_solids = [](const Simulation& simulation) {
+      double sum = simulation.energy_in_solids();
+      MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+      return sum;
+    };
+    EXPECT_NE(in_solids(whole), 0);
+    EXPECT_NEAR(in_solids(whole), in_solids(continued), 1e-12 * std::abs(in_solids(whole)));
     const auto total = [](std::int64_t value) {
       MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
       return value;

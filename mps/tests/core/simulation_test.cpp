@@ -72,6 +72,31 @@ TEST(Simulation, MomentumChangesByGravityAndWallsOnly) {
   EXPECT_GT(result.audit.momentum_residual, 0.0);  // it was measured
 }
 
+TEST(Simulation, EnergyOnlyFallsWhenWhatWallsStoreIsCounted) {
+  // The front hits the far wall, which takes up energy and gives part of it back.
+  const Scene scene = test::collapsing_column(2, 12);
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  run(simulation, 1);
+  double start = 0, lowest = 1e300, lowest_of_water = 1e300, rise = 0, rise_of_water = 0, least = 0, most = 0;
+  for (int k = 0; k < 900; ++k) {
+    run(simulation, 1);
+    const Energies energy = measure(simulation, scene).energy;
+    const double total = energy.total(), of_water = total - energy.in_solids;
+    if (k == 0) start = total;
+    lowest = std::min(lowest, total);
+    lowest_of_water = std::min(lowest_of_water, of_water);
+    rise = std::max(rise, total - lowest);
+    rise_of_water = std::max(rise_of_water, of_water - lowest_of_water);
+    least = std::min(least, energy.in_solids);
+    most = std::max(most, energy.in_solids);
+  }
+  const double loss = start - lowest;
+  EXPECT_GT(rise_of_water, 3e-4 * loss);
+  EXPECT_LT(rise, 1e-4 * loss);
+  EXPECT_GT(most, 0.01 * loss);
+  EXPECT_GT(least, -0.01 * loss);  // they hardly give back more than they took
+}
+
 TEST(Simulation, FreeFlightKeepsMomentumAndCentre) {
   // No walls, no gravity: a turning drop keeps linear momentum, and its centre moves straight.
   Scene scene = test::still_tank(3, 8);
