@@ -12,6 +12,15 @@ using coupling::Vec3;
 
 namespace {
 
+/// A number in [0, 1) for a place of the lattice, spread evenly over the places around (additive recurrence with the
+/// powers of 1/g, g^4 = g + 1).
+double evenly_spread(const double* x, double particle_distance) {
+  constexpr double steps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+  double sum = 0.5;
+  for (int c = 0; c < 3; ++c) sum += steps[c] * std::floor(x[c] / particle_distance);
+  return sum - std::floor(sum);
+}
+
 /// Accelerations beyond this many g come from impacts shorter than the water resolves; the extrapolation leaves them
 /// out.
 constexpr double largest_acceleration_in_g = 2.0;
@@ -172,6 +181,31 @@ Eigen::Matrix<double, 6, 1> Bodies::push_without_load(std::size_t body) const {
   return result;
 }
 
+Bodies::Energy Bodies::energy(int rank) const {
+  Energy sum;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!speaks_for(rank, bodies_[b])) continue;
+    const coupling::State& state = bodies_[b].state;
+    const Vec3 omega = state.orientation.conjugate() * state.angular_velocity;
+    sum.kinetic +=
+        0.5 * mass(b).mass * state.velocity.squaredNorm() + 0.5 * omega.dot(mass(b).inertia.cwiseProduct(omega));
+    sum.potential -= mass(b).mass * gravity_.dot(state.position);
+  }
+  return sum;
+}
+
+double Bodies::work_of_contacts(const std::vector<coupling::FluidBody>& before, double length, int rank) const {
+  double work = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!speaks_for(rank, bodies_[b])) continue;
+    const coupling::State &start = before[b].state, &end = bodies_[b].state;
+    work += 0.5 * length *
+            (end.contact_force.dot(start.velocity + end.velocity) +
+             end.contact_torque.dot(start.angular_velocity + end.angular_velocity));
+  }
+  return work;
+}
+
 double Bodies::depth_in(std::size_t body, const Vec3& place) const {
   const coupling::State& state = bodies_[body].state;
   const ShapeData& data = shape_of(bodies_[body]);
@@ -201,15 +235,28 @@ double Bodies::penetration(const double* x) const {
   return deepest;
 }
 
-bool Bodies::displaces(const double* x) const {
-  const double close = 0.45 * constants_.particle_distance;
-  int near = 0;
+// A particle fills one particle distance across a face, so one whose centre is nearer to it than half of that is in
+// part displaced. That part of all such particles is left out, evenly over the face, so that the water left has the
+// right volume everywhere; continuity would never mend a layer too much or too little.
+bool Bodies::make_room(double* x) const {
+  const double l0 = constants_.particle_distance;
+  const auto depth = [&](std::size_t b) { return depth_in(b, Vec3(x[0], x[1], x[2])); };
   for (std::size_t b = 0; b < count(); ++b) {
-    const double depth = depth_in(b, Vec3(x[0], x[1], x[2]));
-    if (depth > 0) return true;
-    near += depth > -close ? 1 : 0;
+    const double gap = -depth(b) / l0;
+    if (gap < 0.5 - 1e-6 && !(evenly_spread(x, l0) < 0.5 + gap)) return false;
   }
-  return near > 1;
+  int close = 0;  // a gap between two bodies may be too narrow for a particle
+  for (std::size_t b = 0; b < count(); ++b) {
+    const double lacking = 0.5 * l0 + depth(b);
+    if (lacking <= 0) continue;
+    const Vec3 normal = outward_normal(b, Vec3(x[0], x[1], x[2]));
+    for (int c = 0; c < constants_.dimension; ++c) x[c] += lacking * normal[c];
+  }
+  for (std::size_t b = 0; b < count(); ++b) {
+    if (depth(b) > 0) return false;
+    close += depth(b) > -0.45 * l0 ? 1 : 0;
+  }
+  return close < 2;
 }
 
 std::vector<coupling::BodyPressures> Bodies::surface_pressures(const Particles& particles) const {

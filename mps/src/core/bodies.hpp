@@ -12,6 +12,11 @@
 
 namespace embacle::mps {
 
+/// Whether this rank speaks for a body that several share, so that each counts once.
+[[nodiscard]] inline bool speaks_for(int rank, const coupling::FluidBody& body) {
+  return body.sharers.empty() || body.sharers.front() == rank;
+}
+
 /// The bodies within reach of this rank, during an epoch of the coupling.
 class Bodies {
  public:
@@ -46,8 +51,9 @@ class Bodies {
   /// Bodies of these shapes: the extrapolation takes them as not accelerated (LightBodies does that part).
   void leave_accelerations_of(const std::vector<char>& shapes) { left_out_ = shapes; }
 
-  /// Whether a place has no room for a water particle: inside a body, or squeezed between two.
-  [[nodiscard]] bool displaces(const double* x) const;
+  /// Makes way for the bodies at the start: false if the water particle at this place is to be left out; otherwise
+  /// moves the place so that it is no nearer to a body than half a particle distance.
+  [[nodiscard]] bool make_room(double* x) const;
   /// Depth [m] of a place below the surface of one body (negative outside; minus the support where far away).
   [[nodiscard]] double depth_in(std::size_t body, const coupling::Vec3& place) const;
   /// Outward unit normal of the nearest face, at a place near the surface of a body.
@@ -59,6 +65,14 @@ class Bodies {
 
   /// Speed of the fastest point of any body, at most [m/s].
   [[nodiscard]] double fastest() const;
+  struct Energy {
+    double kinetic = 0, potential = 0;  ///< in gravity, zero at the origin [J]
+  };
+  /// Of the bodies that this rank speaks for.
+  [[nodiscard]] Energy energy(int rank) const;
+  /// Work [J] of all but water and gravity (contacts, tethers) on them in a window of that length [s]; `before`: the
+  /// bodies at its start.
+  [[nodiscard]] double work_of_contacts(const std::vector<coupling::FluidBody>& before, double length, int rank) const;
 
   /// Acceleration of the last window, as the extrapolation has it [m/s^2].
   [[nodiscard]] const coupling::Vec3& acceleration(std::size_t body) const { return acceleration_[body]; }

@@ -103,7 +103,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
   for (std::size_t w = 0; w < pose.size(); ++w) {
     pose[w] = simulation.walls().course(static_cast<int>(w)).pose(simulation.time());
   }
-  double sums[13] = {};
+  double sums[16] = {};
   double deepest[2] = {0, 0};  // in a body, beyond a tank
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& record = particles.record[i];
@@ -137,13 +137,20 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     }
   }
   sums[12] = simulation.energy_in_solids();
-  double total[13];
-  MPI_Allreduce(sums, total, 13, MPI_DOUBLE, MPI_SUM, simulation.comm());
+  if (simulation.bodies() != nullptr) {
+    const auto [kinetic, potential] = simulation.bodies()->energy(simulation.rank());
+    sums[13] = kinetic;
+    sums[14] = potential;
+    sums[15] = simulation.work_on_bodies();
+  }
+  double total[16];
+  MPI_Allreduce(sums, total, 16, MPI_DOUBLE, MPI_SUM, simulation.comm());
   MPI_Allreduce(MPI_IN_PLACE, deepest, 2, MPI_DOUBLE, MPI_MAX, simulation.comm());
   WaterState state;
   state.particles = static_cast<std::int64_t>(total[0]);
   state.mass = total[0] * c.particle_mass;
-  state.energy = {total[1], total[2], total[3], total[12]};
+  state.energy = {total[1], total[2], total[3], total[12], total[13] + total[14], total[15]};
+  state.kinetic_of_bodies = total[13];
   state.momentum = {total[4], total[5], total[6]};
   state.volume_ratio = total[7] > 0 ? total[8] / total[7] : std::numeric_limits<double>::quiet_NaN();
   state.interior_share = total[0] > 0 ? total[7] / total[0] : 0;

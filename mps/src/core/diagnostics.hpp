@@ -14,13 +14,19 @@ struct Energies {
   double potential = 0;
   double elastic = 0;    ///< of compression [J]
   double in_solids = 0;  ///< taken up by the pressure of solid points since the start, in audited runs [J]
+  double bodies = 0;     ///< of the bodies: kinetic, and potential in gravity [J]
+  double work = 0;       ///< done on them since the start by all but water and gravity, and brought by new ones [J]
+  /// Of the water.
   [[nodiscard]] double total() const { return kinetic + potential + elastic + in_solids; }
+  /// What may fall but never grow while no wall moves.
+  [[nodiscard]] double balance() const { return total() + bodies - work; }
 };
 
 struct WaterState {
   std::int64_t particles = 0;
   double mass = 0;  ///< [kg]
   Energies energy;
+  double kinetic_of_bodies = 0;    ///< [J]
   Triple momentum{};               ///< [N s]
   double volume_ratio = 1;         ///< volume that the interior water occupies over that of the rest lattice, from the
                                    ///< particles' arrangement alone; 1 at the start

@@ -83,10 +83,11 @@ void Simulation::save(CheckpointContent& content) {
   content.numbers["imbalance_evened"] = evened_imbalance_;
   content.numbers["audit_reaction_mismatch"] = worst_audit_.reaction_mismatch;
   content.numbers["audit_momentum_residual"] = worst_audit_.momentum_residual;
-  double in_solids[2] = {energy_in_solids_, power_into_solids_};
-  MPI_Allreduce(MPI_IN_PLACE, in_solids, 2, MPI_DOUBLE, MPI_SUM, comm_);
-  content.numbers["energy_in_solids"] = in_solids[0];
-  content.numbers["power_into_solids"] = in_solids[1];
+  double energies[3] = {energy_in_solids_, power_into_solids_, work_on_bodies_};
+  MPI_Allreduce(MPI_IN_PLACE, energies, 3, MPI_DOUBLE, MPI_SUM, comm_);
+  content.numbers["energy_in_solids"] = energies[0];
+  content.numbers["power_into_solids"] = energies[1];
+  content.numbers["work_on_bodies"] = energies[2];
   double extremes[3] = {extremes_.speed, extremes_.compression, extremes_.pressure};
   MPI_Allreduce(MPI_IN_PLACE, extremes, 3, MPI_DOUBLE, MPI_MAX, comm_);
   content.numbers["extreme_speed"] = extremes[0];
@@ -206,6 +207,7 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   if (rank_ == 0) {
     energy_in_solids_ = checkpoint.number("energy_in_solids");
     power_into_solids_ = checkpoint.number("power_into_solids");
+    work_on_bodies_ = checkpoint.number("work_on_bodies");
   }
   extremes_.speed = checkpoint.number("extreme_speed");
   extremes_.compression = checkpoint.number("extreme_compression");
@@ -245,6 +247,7 @@ void Recorder::save(CheckpointContent& content) const {
   content.numbers["start_kinetic"] = start_.energy.kinetic;
   content.numbers["start_potential"] = start_.energy.potential;
   content.numbers["start_elastic"] = start_.energy.elastic;
+  content.numbers["start_bodies"] = start_.energy.bodies;
   content.numbers["start_volume_ratio"] = start_.volume_ratio;
   content.numbers["largest_energy_gain"] = largest_energy_gain_;
   content.numbers["lowest_energy"] = lowest_energy_;
@@ -286,7 +289,8 @@ void Recorder::restore(const CheckpointReader& checkpoint) {
   start_.particles = checkpoint.count("start_particles");
   start_.mass = checkpoint.number("start_mass");
   start_.energy = {checkpoint.number("start_kinetic"), checkpoint.number("start_potential"),
-                   checkpoint.number("start_elastic")};
+                   checkpoint.number("start_elastic"), 0,
+                   checkpoint.number("start_bodies"),  0};
   start_.volume_ratio = checkpoint.number("start_volume_ratio");
   most_outside_ = checkpoint.count("most_outside");
   most_inside_ = checkpoint.count("most_inside");

@@ -75,7 +75,10 @@ void Simulation::step(double share_of_window) {
 }
 
 void Simulation::window() {
-  if (bodies_) window_load_.assign(bodies_->count(), {});
+  if (bodies_) {
+    window_load_.assign(bodies_->count(), {});
+    window_start_ = bodies_->all();
+  }
   window_momentum_change_ = window_reaction_ = {};
   const int steps = steps_of_window();
   constants_.step = window_length() / steps;
@@ -87,6 +90,7 @@ void Simulation::window() {
     link_->send_loads(window_load_, pressures);
     link_->receive_states();
     bodies_->assign(link_->bodies());
+    work_on_bodies_ += bodies_->work_of_contacts(window_start_, window_length(), rank_);
   }
   if (scene_.output.audit) check_window();
   ++counters_.windows;
@@ -429,7 +433,15 @@ int Simulation::begin_epoch(int wanted_windows) {
     windows = link_->plan(decomposition_.own(), proposal).windows;
     if (windows > 0) {
       just_saved_ = false;
+      // The energy of bodies that came or went: of all that stay, another rank may speak now, but the sum is the same.
+      const auto energy = [&] {
+        const auto [kinetic, potential] = bodies_->energy(rank_);
+        return kinetic + potential;
+      };
+      const double before = energy();
       bodies_->assign(link_->bodies());
+      if (bodies_known_) work_on_bodies_ += energy() - before;
+      bodies_known_ = true;
       lists_valid_ = false;
       check_bodies();
     }
@@ -536,7 +548,7 @@ void Simulation::check_window() {
       const auto& body = bodies_->all()[b];
       for (int c = 0; c < 3; ++c) {
         sums[3 + c] += window_load_[b].force[c];
-        if (body.sharers.empty() || body.sharers.front() == rank_) sums[6 + c] += body.applied.force[c];
+        if (speaks_for(rank_, body)) sums[6 + c] += body.applied.force[c];
       }
     }
   }

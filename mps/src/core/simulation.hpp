@@ -97,9 +97,12 @@ class Simulation {
   /// What the water of this rank has given to solid points by compressing them, since the start [J]: in audited runs
   /// with the leapfrog and without shifting, otherwise 0.
   [[nodiscard]] double energy_in_solids() const { return energy_in_solids_; }
+  /// Work of all but water and gravity on the bodies that this rank speaks for, since the start [J].
+  [[nodiscard]] double work_on_bodies() const { return work_on_bodies_; }
   [[nodiscard]] const Halo& halo() const { return halo_; }
   [[nodiscard]] Phases& phases() { return phases_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  [[nodiscard]] int rank() const { return rank_; }
   /// Largest work of a rank over the mean, by the last lists.
   [[nodiscard]] double imbalance() const { return imbalance_; }
   [[nodiscard]] std::int64_t removed_at_start() const { return removed_at_start_; }
@@ -199,6 +202,9 @@ class Simulation {
   Extremes extremes_;
   Counters counters_;
   Audit worst_audit_;
+  double work_on_bodies_ = 0;  ///< with the energy of those that came, less that of those that went [J]
+  bool bodies_known_ = false;  ///< from a plan
+  std::vector<coupling::FluidBody> window_start_;        ///< the bodies, as they were
   double energy_in_solids_ = 0, power_into_solids_ = 0;  ///< by this rank's water [J], in the last step [W]
   Phases phases_;
 };

@@ -41,10 +41,7 @@ void Simulation::check_bodies() const {
 void Simulation::remove_water_in_bodies() {
   auto water = own_water();
   const auto before = water.size();
-  // The lattice sites whose centre lies in a body make up the displaced volume; a site in a gap too narrow for a
-  // particle goes as well. (Removing all that is closer than half a spacing would take 3 % too much water from under
-  // the floes.)
-  std::erase_if(water, [&](const Traveller& traveller) { return bodies_->displaces(traveller.record.x); });
+  std::erase_if(water, [&](Traveller& traveller) { return !bodies_->make_room(traveller.record.x); });
   std::int64_t removed = static_cast<std::int64_t>(before - water.size());
   MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);
   particles_.assign(water);
