@@ -1,9 +1,10 @@
 """A box of 10 by 5 cm and 680 kg/m3 floats in a packet of waves made by a flap, 2-D: heave, roll and sway against the experiment of
 Hadzic et al. 2005 (Applied Mathematical Modelling, article S0307904X05000417), as digitised in the examples of DualSPHysics.
 
-The scene begins at 1.036 s of the experiment, where the flap passes its upright position; what it sent out before is at most a few
-tenths of a millimetre at the box by linear wavemaker theory. That theory also says which way a positive angle turns (away from the water),
-and puts the first probe 1.14 to 1.16 m from the flap; the second, behind the box, is taken to be at 2.66 m and is reported only.
+The scene begins at 1.036 s of the experiment, where the flap passes its upright position; what it sent out before changes the
+level at the box by 0.4 mm (RMS) in linear wavemaker theory. That theory also says which way a positive angle turns (away from the
+water), and puts the first probe 1.14 m from the flap (within 25 % of the measured level's RMS; here 1.16 m). The second, behind the
+box, is taken to be at 2.66 m. Levels are reported only: they tell errors of the waves from those of the box.
 The box turns about its axis with the inertia of a homogeneous one, 10.3 kg cm2 for the 0.29 m of the experiment's; the experiment's
 had 14 kg cm2. An amplitude is half of the range over the record, a period twice the mean distance of its successive extremes.
 """
