@@ -19,15 +19,16 @@ BODIES = {"quick": [(10, 10), (20, 2)], "normal": [(10, 10), (20, 4), (20, 3), (
 
 
 def measure(context):
-    context.note("| body, particles | start shifted by [l0] | error [%] | standard deviation over time [%] |\n|---|---|---|---|")
+    context.note("| body, particles | start shifted by [l0] | error [%] | standard deviation over time [%] |\n"
+                 "|---|---|---|---|")
     for width, thickness in BODIES[context.effort]:
         spacing = 0.005 if thickness == 20 else 0.01
         volume, errors = width * thickness * spacing**2, []
         for index, shift in enumerate(SHIFTS):
             x, height = (middle + part * spacing for middle, part in zip(MIDDLE, shift))
             run = context.run(f"{width}-{thickness}-{index + 1}", context.folder / "scene.toml", [
-                f"parameters.width={width * spacing!r}", f"parameters.thickness={thickness * spacing!r}", f"parameters.x={x!r}",
-                f"parameters.height={height!r}", f"parameters.l0={spacing!r}"])
+                f"parameters.width={width * spacing!r}", f"parameters.thickness={thickness * spacing!r}",
+                f"parameters.x={x!r}", f"parameters.height={height!r}", f"parameters.l0={spacing!r}"])
             body = {name: np.array(values) for name, values in run.table("bodies.csv").items()}
             late = body["t"] >= SETTLED
             if not late.any() or np.hypot(body["x"] - x, body["y"] - height).max() > 0.02 * spacing:
@@ -36,8 +37,8 @@ def measure(context):
             errors.append(error.mean())
             context.note(f"| {width} x {thickness} | {shift[0]}, {shift[1]} | {error.mean():+.2f} | {error.std():.2f} |")
             if thickness == 10:
-                context.curve("ten particles across; t [s]; error of the force [%]", f"shifted by {shift[0]}, {shift[1]} l0",
-                              body["t"], 100 * (body["fy"] / (WATER * GRAVITY * volume) - 1))
+                context.curve("ten particles across; t [s]; error of the force [%]",
+                              f"shifted by {shift[0]}, {shift[1]} l0", body["t"], 100 * (body["fy"] / (WATER * GRAVITY * volume) - 1))
         label, allowed = f"{width} x {thickness} particles", BARS[width, thickness]
         yield run.bar(f"{label}: force, mean of {len(SHIFTS)} starts", np.mean(errors), -allowed, allowed, "%", "Archimedes")
         yield run.bar(f"{label}: largest less smallest of the starts", np.ptp(errors), 0, 2 * allowed, "%", "none",
