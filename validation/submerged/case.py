@@ -33,12 +33,12 @@ def measure(context):
             late = body["t"] >= SETTLED
             if not late.any() or np.hypot(body["x"] - x, body["y"] - height).max() > 0.02 * spacing:
                 raise CaseError(f"{run.folder}: too short, or the body was not held")
-            error = 100 * (body["fy"][late] / (WATER * GRAVITY * volume) - 1)
-            errors.append(error.mean())
-            context.note(f"| {width} x {thickness} | {shift[0]}, {shift[1]} | {error.mean():+.2f} | {error.std():.2f} |")
+            error = 100 * (body["fy"] / (WATER * GRAVITY * volume) - 1)
+            errors.append(error[late].mean())
+            context.note(f"| {width} x {thickness} | {shift[0]}, {shift[1]} | {errors[-1]:+.2f} | {error[late].std():.2f} |")
             if thickness == 10:
                 context.curve("ten particles across; t [s]; error of the force [%]",
-                              f"shifted by {shift[0]}, {shift[1]} l0", body["t"], 100 * (body["fy"] / (WATER * GRAVITY * volume) - 1))
+                              f"shifted by {shift[0]}, {shift[1]} l0", body["t"], error)
         label, allowed = f"{width} x {thickness} particles", BARS[width, thickness]
         yield run.bar(f"{label}: force, mean of {len(SHIFTS)} starts", np.mean(errors), -allowed, allowed, "%", "Archimedes")
         yield run.bar(f"{label}: largest less smallest of the starts", np.ptp(errors), 0, 2 * allowed, "%", "none",
