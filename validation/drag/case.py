@@ -8,7 +8,7 @@
   grows with the length (so that the ends cancel). Over U mu: 2/h from the sliding, and since what the plate displaces
   returns through the gaps, G = 6 (h + t)/h^3 of pressure gradient, whose share is G h along both faces and G t on the ends.
 
-All pressures are so far above zero that none becomes negative. Drag: the water's load on the body.
+The water starts under a pressure, which is to keep suction from making it negative (not checked). Drag: the water's load on the body.
 """
 
 import numpy as np
