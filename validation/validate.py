@@ -43,6 +43,7 @@ class Bar:
     source: str = ""  # of the range
     required: bool = True  # False: reported, but a miss does not fail the validation
     core_seconds: float = 0  # ranks times wall time of the simulation alone; 0: not for the work-precision plot
+    run: str = ""  # folder of the run it comes from, below the results
 
     @property
     def inside(self):
@@ -62,7 +63,8 @@ class Run:
     def bar(self, name, value, lower, upper, unit, source, required=True):
         """A bar whose value comes from this run."""
         work = self.summary.get("wall_seconds", 0) * self.summary.get("fluid_ranks", 1)
-        return Bar(name, float(value), lower, upper, unit, self.seconds, source, required, work)
+        return Bar(name, float(value), lower, upper, unit, self.seconds, source, required, work,
+                   f"{self.folder.parent.name}/{self.folder.name}")
 
     def table(self, name):
         """A CSV file of the run by column name without unit: energies.csv, gauges/NAME.csv. Lists of numbers."""
@@ -185,7 +187,7 @@ def parse(arguments):
     parser.add_argument("--fluid-ranks", metavar="N", help="ranks of each run")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write the results there as well")
     parser.add_argument("--report", type=pathlib.Path, metavar="DIR",
-                        help="write report.md and a picture a case there; other cases of a report that is there stay")
+                        help="write report.md, report.html and a picture a case there; other cases of a report that is there stay")
     parser.set_defaults(effort="normal")
     options = parser.parse_args(arguments)
     for case in options.cases:
@@ -239,7 +241,8 @@ def front_page(cases):
 
 
 def write_report(case, result, folder):
-    """Puts a case into report.md, and by tools/validation_plots.py a picture of each beside it."""
+    """Puts a case into report.md and report.html, with pictures beside them; all from validation.json there, which also says
+    of which run each value is."""
     folder.mkdir(parents=True, exist_ok=True)
     data = folder / "validation.json"
     outcome = json.loads(data.read_text()) if data.exists() else {"cases": {}}
@@ -247,7 +250,8 @@ def write_report(case, result, folder):
     write_whole(data, json.dumps(outcome, separators=(",", ":")) + "\n")
     plots = subprocess.run(["/usr/bin/python3", str(ROOT / "tools/validation_plots.py"), str(folder)]).returncode == 0
     lines = ["# Validation", "", front_page(outcome["cases"]), "",
-             "Inside: the value lies in the allowed range. Run: wall time, on whatever else the machine had to do.", ""]
+             "Inside: the value lies in the allowed range. Run: wall time, on whatever else the machine had to do. Values to all "
+             "digits, the run that each comes from, and all curves: [validation.json](validation.json).", ""]
     for case, result in sorted(outcome["cases"].items()):
         lines += [f"## {case}", "", f"{result['title'][0].upper()}{result['title'][1:]}.", "",
                   f"Effort: {result['effort']}; commit {result['revision']}.", "", result["text"], ""]
@@ -256,6 +260,7 @@ def write_report(case, result, folder):
         if plots and (folder / f"{case}.png").exists():
             lines += [f"![{result['title']}]({case}.png)", ""]
     write_whole(folder / "report.md", "\n".join(lines))
+    subprocess.run(["/usr/bin/python3", str(ROOT / "tools/report_page.py"), str(folder)])
 
 
 def write_whole(path, text):

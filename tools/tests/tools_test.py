@@ -322,6 +322,16 @@ class ValidationPlotsTest(RunTest):
         self.assertNotIn("first outcome", report)
         self.assertIn("Effort: full; commit abc.", report)
 
+    def test_a_report_is_a_page_as_well(self):
+        case = {"title": "Wave", "effort": "full", "revision": "abc", "error": None, "curves": []}
+        bar = self.bar("a < b: RMS", 3.0, 1) | {"inside": False, "unit": "m"}
+        validate.write_report("wave", case | {"bars": [bar], "text": "| quantity |\n|---|\n| **no** |"}, self.folder)
+        page = (self.folder / "report.html").read_text()
+        self.assertIn('<a href="#wave">wave</a>', page)
+        self.assertIn('<h2 id="wave">', page)
+        self.assertIn("<td><strong>no</strong></td>", page)
+        self.assertIn("a &lt; b: RMS: 3 m", page)
+
     def test_missing_results(self):
         done = run("validation_plots.py", self.folder)
         self.assertEqual(done.returncode, 2)
