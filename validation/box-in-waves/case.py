@@ -13,8 +13,8 @@ import numpy as np
 
 TITLE = "floating box in a packet of waves, 2-D, against an experiment"
 ORIGIN = 1.036  # [s] of the experiment at which the scene begins
-RESOLUTIONS = {"quick": (4,), "normal": (5, 8), "full": (5, 8, 10)}  # thickness/l0
-HELD = 8  # thickness/l0 from which on the bars must be met
+RESOLUTIONS = {"quick": (4,), "normal": (5,), "full": (5, 8, 10)}  # thickness/l0
+HELD = 5  # thickness/l0 from which on the bars must be met
 THICKNESS, DRAFT, DEPTH = 0.05, 0.034, 0.4  # [m]
 CALM = (4.0, 5.8)  # [s] of the experiment: the box floats at rest
 STEP, APART, SHARE = 0.005, 0.15, 0.2  # [s], [s], [of the largest]: grid, and what counts as an extreme

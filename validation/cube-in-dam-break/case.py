@@ -21,8 +21,8 @@ START = 1.775  # [m]
 LEFT = 0.05  # [m]: way at which the cube counts as having left
 LEAD = 0.2015  # [s] of the denser curve: it is at 1.9025 m, as the reading at 0.991 s, at 0.790 s
 PANEL = "with the example's origin of time; t [s]; x [m]"
-RESOLUTIONS = {"quick": (6,), "normal": (6, 9), "full": (6, 9, 12)}  # side/l0: l0 divides the column
-HELD = 9  # side/l0 from which on the bars must be met
+RESOLUTIONS = {"quick": (6,), "normal": (6,), "full": (6, 9, 12)}  # side/l0: l0 divides the column
+HELD = 6  # side/l0 from which on the bars must be met
 
 
 def crossing(time, place):
