@@ -94,7 +94,7 @@ bool LightBodies::any() const {
 }
 
 template <class Visit>
-void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
+void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, bool first,
                             const Visit& visit) const {
   const double scale = constants_.gradient_factor / constants_.density;
   const auto weight = [&](double distance) {
@@ -127,7 +127,7 @@ void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighb
       pair.normal = body.state.orientation * normal_[body.shape][identity.point];
       if (pair.normal.dot(away) < 0) pair.normal = -pair.normal;  // a plate of one layer has water on both sides
       const double before = distance + constants_.step * approach.dot(away) / distance;  // a step ago
-      const double growth = 1 - weight(before) * before / (now * distance);
+      const double growth = first ? 1.0 : 1 - weight(before) * before / (now * distance);
       pair.taken_up = std::max(0.0, growth) / constants_.step * approach.dot(pair.normal);
       visit(i, thread, pair);
     }
@@ -135,7 +135,7 @@ void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighb
 }
 
 void LightBodies::apply(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
-                        coupling::FluidLink& link, double horizon, std::vector<Triple>& acceleration,
+                        coupling::FluidLink& link, double horizon, bool first, std::vector<Triple>& acceleration,
                         std::vector<Load>& load) const {
   const std::size_t count = bodies.count();
   const double mass = constants_.particle_mass;
@@ -146,7 +146,7 @@ void LightBodies::apply(const Particles& particles, const Neighbours& neighbours
     Matrix6 matrix = Matrix6::Zero();
   };
   std::vector<std::vector<Sums>> parts(threads(), std::vector<Sums>(count));
-  for_pairs(particles, neighbours, bodies, [&](std::size_t, int thread, const Pair& pair) {
+  for_pairs(particles, neighbours, bodies, first, [&](std::size_t, int thread, const Pair& pair) {
     const Vector6 push = mass * with_moment(pair.arm, pair.per_dp);
     parts[thread][pair.body].taken_up += pair.taken_up * push;
     parts[thread][pair.body].matrix += push * with_moment(pair.arm, pair.normal).transpose();
@@ -186,7 +186,7 @@ void LightBodies::apply(const Particles& particles, const Neighbours& neighbours
   }
 
   std::vector<std::vector<Vector6>> reactions(threads(), std::vector<Vector6>(count, Vector6::Zero()));
-  for_pairs(particles, neighbours, bodies, [&](std::size_t i, int thread, const Pair& pair) {
+  for_pairs(particles, neighbours, bodies, first, [&](std::size_t i, int thread, const Pair& pair) {
     const Yield& yield = yields[pair.body];
     const double dp = yield.k * (yield.acceleration.dot(with_moment(pair.arm, pair.normal)) + pair.taken_up);
     const Vec3 change = dp * pair.per_dp;

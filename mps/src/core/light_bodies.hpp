@@ -21,7 +21,7 @@ namespace embacle::mps {
 ///   (M + k G) a_b = F + F_contact + M g - k H,   Z = 2 rho0 c0 G,   G = (d/(rho0 n0)) m SUM r F e n^T,
 /// and H likewise of u. So k G is a mass that the body carries. Where it grows, because pairs come closer, what is
 /// taken up has the speed of the water: u = (v_b - v_f).n d(ln r F)/dt, zero where they part. (Without u it would have
-/// the body's, and energy would come from nothing.)
+/// the body's, and energy would come from nothing.) In the first step of a run all of it is taken up: d(ln r F) = 1.
 /// T: for how long a body keeps its velocity, a step or a window. The first term of k is needed only where chi > 1/2
 /// (notes on coupling, section 2); the 2 is because the pair force takes half of a point's pressure from the water. A
 /// body without weight takes any motion that leaves no force on it.
@@ -39,9 +39,9 @@ class LightBodies {
   [[nodiscard]] double largest_chi() const { return largest_chi_; }
 
   /// Adds dp to the acceleration [m/s^2] of the own water and to this rank's part of the load on each body. `horizon`:
-  /// T [s] of this step. Exchanges messages between the fluid ranks that share bodies.
+  /// T [s] of this step; `first`: of a run. Exchanges messages between the fluid ranks that share bodies.
   void apply(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, coupling::FluidLink& link,
-             double horizon, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load) const;
+             double horizon, bool first, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load) const;
 
  private:
   /// Own water and a light body's point within the support.
@@ -54,7 +54,7 @@ class LightBodies {
   };
   /// Calls `visit(i, thread, pair)` for each pair with own water i.
   template <class Visit>
-  void for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
+  void for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, bool first,
                  const Visit& visit) const;
 
   const Constants& constants_;

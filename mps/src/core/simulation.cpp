@@ -304,7 +304,7 @@ void Simulation::evaluate_forces(double time) {
   guard_.apply(particles_, neighbours_, bodies(), time, constants_.step, acceleration_, guard_reaction_, load_);
   if (light_bodies_) {
     light_bodies_->apply(particles_, neighbours_, *bodies_, *link_, predicts() ? constants_.step : window_length(),
-                         acceleration_, load_);
+                         counters_.steps == 0, acceleration_, load_);
   }
 }
 
