@@ -497,5 +497,38 @@ TEST(SurfaceLoads, ObeyArchimedes) {
   expect(buoyancy(3, solid, tumbled), {0, 0, weight * volume}, 1e-10, 1e-3);
 }
 
+TEST(Bodies, WaterMakesRoomForTheirVolumeAndKeepsItsDistance) {
+  const double l0 = 0.005;
+  for (const int dimension : {2, 3}) {
+    const Constants constants = constants_of(test::still_tank(dimension, 20, l0));
+    const coupling::Shape box{"box", coupling::ShapeKind::box, {0.1, 0.064, 0.05}, 500};
+    const coupling::Shape ball{"ball", coupling::ShapeKind::sphere, {0.04, 0, 0}, 500};
+    for (const coupling::Shape& shape : {box, ball}) {
+      if (dimension == 2 && shape.kind == coupling::ShapeKind::sphere) continue;
+      Bodies bodies(constants, {shape}, 1);
+      coupling::FluidBody body;
+      const double section = dimension == 2 ? 0.1 * 0.064 : shape.mass_properties().volume;
+      for (const double shift : {0.0, 0.3, 0.5, 0.8}) {
+        body.state.position = coupling::Vec3(shift, 0.7 * shift, dimension == 3 ? 0.4 * shift : 0) * l0;
+        bodies.assign({body});
+        double left_out = 0;
+        for (int k = dimension == 3 ? -15 : 0; k < (dimension == 3 ? 15 : 1); ++k) {
+          for (int j = -15; j < 15; ++j) {
+            for (int i = -15; i < 15; ++i) {
+              double x[3] = {(i + 0.5) * l0, (j + 0.5) * l0, dimension == 3 ? (k + 0.5) * l0 : 0};
+              if (!bodies.make_room(x)) {
+                ++left_out;
+              } else {
+                EXPECT_LT(bodies.penetration(x), (-0.5 + 1e-4) * l0);
+              }
+            }
+          }
+        }
+        EXPECT_NEAR(left_out * std::pow(l0, dimension), section, 0.02 * section) << dimension << "-D, shift " << shift;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace embacle::mps
