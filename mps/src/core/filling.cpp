@@ -302,4 +302,15 @@ std::vector<Traveller> wall_points_of(const Walls& walls, int rank, int size) {
   return result;
 }
 
+bool near_wall(const Scene& scene, const Walls& walls, const double* x, double clearance) {
+  for (int c = 0; c < scene.dimension; ++c) {
+    for (const double offset : {-clearance, clearance}) {
+      double place[3] = {x[0], x[1], x[2]};
+      place[c] += offset;
+      if (inside_wall(scene, walls, place) || outside_tank(scene, place)) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace embacle::mps

@@ -22,6 +22,9 @@ struct InitialParticles {
 /// walls. Rank `rank` of `size` generates its share only. Throws InputError for pressures beyond the equation of state.
 [[nodiscard]] InitialParticles fill(const Scene& scene, const Constants& constants, const Walls& walls, int rank,
                                     int size);
+/// Whether a place is in a wall, beyond a closed side of a tank, or nearer to either than `clearance` [m], at time
+/// zero.
+[[nodiscard]] bool near_wall(const Scene& scene, const Walls& walls, const double* x, double clearance);
 /// A rank's share of the walls' points, at time zero.
 [[nodiscard]] std::vector<Traveller> wall_points_of(const Walls& walls, int rank, int size);
 

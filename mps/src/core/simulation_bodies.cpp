@@ -1,6 +1,9 @@
 // What the simulation does for bodies at its start and when a plan is new; their part of a step is in simulation.cpp.
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "core/filling.hpp"
 #include "core/simulation.hpp"
 
 namespace embacle::mps {
@@ -41,7 +44,13 @@ void Simulation::check_bodies() const {
 void Simulation::remove_water_in_bodies() {
   auto water = own_water();
   const auto before = water.size();
-  std::erase_if(water, [&](Traveller& traveller) { return !bodies_->make_room(traveller.record.x); });
+  const double clearance = 0.45 * constants_.particle_distance;
+  std::erase_if(water, [&](Traveller& traveller) {
+    double* const x = traveller.record.x;
+    const double place[3] = {x[0], x[1], x[2]};
+    if (!bodies_->make_room(x)) return true;
+    return !std::equal(x, x + 3, place) && near_wall(scene_, walls_, x, clearance);
+  });
   std::int64_t removed = static_cast<std::int64_t>(before - water.size());
   MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);
   particles_.assign(water);
