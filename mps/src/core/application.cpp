@@ -207,7 +207,7 @@ std::string explain_report(const Scene& scene) {
   std::string directions;
   for (const std::string& axis : scene.periodic) directions += (directions.empty() ? " in " : ", ") + axis;
   module(!scene.periodic.empty(), "periodic directions" + directions, "ghosts of the images, also on one rank");
-  module(n.density_diffusion > 0, "density diffusion", "in the density sweep");
+  module(n.diffusion_coefficient() > 0, "density diffusion", "in the density sweep");
   module(n.adaptive_step, "adaptive time step", "in the reduction of each step");
   module(n.artificial_viscosity > 0, "artificial viscosity", "in the force sweep");
   module(c.collision_distance > 0, "particle collision", "in the force sweep");
@@ -215,7 +215,7 @@ std::string explain_report(const Scene& scene) {
   module(c.smagorinsky > 0, "turbulence (Smagorinsky)", "two sweeps over pairs of water, a message a step");
   module(c.wall_friction, "walls that say whether water slips", "a pass over pairs of water and solids");
   module(c.central_force > 0, "central force",
-         n.density_diffusion > 0 ? "a pass over the water and a sweep over its pairs" : "a pass over the water");
+         n.diffusion_coefficient() > 0 ? "a pass over the water and a sweep over its pairs" : "a pass over the water");
   module(solids,
          n.wall_pressure == WallPressure::continuity      ? "walls: pressure by continuity"
          : n.wall_pressure == WallPressure::zero_gradient ? "walls: mean pressure of the water"

@@ -148,7 +148,7 @@ Constants constants_of(const Scene& scene) {
   c.gradient_factor = c.dimension / c.lattice.weight;
   c.laplacian_factor = 2.0 * c.dimension / c.lattice.weight_square;
   c.artificial_viscosity = scene.numerics.artificial_viscosity * c.sound_speed * c.particle_distance;
-  c.density_diffusion = scene.numerics.density_diffusion * c.sound_speed * c.particle_distance;
+  c.density_diffusion = scene.numerics.diffusion_coefficient() * c.sound_speed * c.particle_distance;
   c.plain_operators = scene.numerics.regularisation == Regularisation::plain_shifting;
   c.shifting = scene.numerics.shifting;
   c.crowding_factor =

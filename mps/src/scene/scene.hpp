@@ -203,7 +203,11 @@ struct Numerics {
   double sound_speed = 0;      ///< c0 [m/s]; 0: ten times the reference speed
   double reference_speed = 0;  ///< largest speed expected [m/s]; 0: from the hydraulic head and motions
   double artificial_viscosity = 0.01;
-  double density_diffusion = 0.06;  ///< delta' of notes: coefficient of c0 l0
+  /// delta' of notes: coefficient of c0 l0. None: 0.06, where particles are shifted 0.15 (docs/numerics.md).
+  std::optional<double> density_diffusion;
+  [[nodiscard]] double diffusion_coefficient() const {
+    return density_diffusion.value_or(shifts(regularisation) ? 0.15 : 0.06);
+  }
   Diffusion diffusion = Diffusion::dynamic;
   WallPressure wall_pressure = WallPressure::extrapolated;
   Regularisation regularisation = Regularisation::collision;

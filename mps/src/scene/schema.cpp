@@ -163,7 +163,8 @@ Schema make_schema() {
                       .range = between(0, 1)},
                      [](Numerics& x) -> Target { return &x.artificial_viscosity; }},
                     {{.name = "density_diffusion",
-                      .meaning = "coefficient of the density diffusion, in sound speed times l0",
+                      .meaning = "coefficient of the density diffusion, in sound speed times l0; none: 0.06, with "
+                                 "shifting 0.15",
                       .range = between(0, 1)},
                      [](Numerics& x) -> Target { return &x.density_diffusion; }},
                     {{.name = "diffusion",

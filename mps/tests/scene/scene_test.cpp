@@ -29,10 +29,10 @@ TEST(Read, FullScene) {
   EXPECT_EQ(n.particle_distance, 0.005);
   EXPECT_EQ(n.kernel, KernelKind::wendland);
   EXPECT_TRUE(n.adaptive_step);
-  EXPECT_EQ(
-      (std::vector{n.support, n.cfl, n.sound_speed, n.reference_speed, n.artificial_viscosity, n.density_diffusion,
-                   n.collision_distance, n.collision_restitution, n.skin, n.rebalance_imbalance}),
-      (std::vector{3.1, 0.4, 30.0, 3.0, 0.02, 0.1, 0.8, 0.4, 0.2, 1.2}));
+  EXPECT_EQ((std::vector{n.support, n.cfl, n.sound_speed, n.reference_speed, n.artificial_viscosity,
+                         n.diffusion_coefficient(), n.collision_distance, n.collision_restitution, n.skin,
+                         n.rebalance_imbalance}),
+            (std::vector{3.1, 0.4, 30.0, 3.0, 0.02, 0.1, 0.8, 0.4, 0.2, 1.2}));
   EXPECT_EQ(n.diffusion, Diffusion::plain);
   EXPECT_EQ(n.turbulence, TurbulenceModel::smagorinsky);
   EXPECT_EQ(n.smagorinsky, 0.2);
