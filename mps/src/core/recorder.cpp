@@ -449,7 +449,8 @@ std::vector<std::string> Recorder::doubts(double speed, double compression) cons
                     100 * compressed_share_, compressed_at_, c.reference_speed));
   }
   const bool driven = !std::equal(c.gravity, c.gravity + 3, c.static_gravity);
-  if (!driven && !simulation_.walls().any_moves() && largest_energy_gain_ > 0.01 * largest_energy_) {
+  const double allowed = (simulation_.bodies() != nullptr ? 0.05 : 0.01) * largest_energy_;
+  if (!driven && !simulation_.walls().any_moves() && largest_energy_gain_ > allowed) {
     found.push_back(fmt::format(
         "{} gained up to {:.3g} J with no work done ({:.1f} % of the largest kinetic or elastic energy): do "
         "not trust this run; a smaller numerics.cfl{} may help",
