@@ -53,7 +53,7 @@ class Shapes(support.SceneTest):
         box = self.bodies("box")
         self.edit("in.blocks", "shape box 0.06 0.06 0.03", "shape prism 0.03 4 0 0 0.06 0 0.06 0.06 0 0.06")
         prism = self.bodies("prism")
-        self.assertGreater(max(box["vz"]), 0.03)  # the water moves them
+        self.assertGreater(max(box["vz"]), 0.01)  # the water moves them
         self.assert_same(box, prism, 1e-9)
 
     def test_ranks_agree(self):

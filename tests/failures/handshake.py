@@ -56,7 +56,7 @@ class SolidMistakes(support.SceneTest):
                 outcome = self.run_scene(*layout, "--end-time", "0.18")
                 self.assertEqual(outcome.status, 0, outcome)
                 self.assertEqual(outcome.stderr.count("has left the solids"), 1, outcome)
-                self.assertRegex(outcome.stderr, r"warning: by t = 0\.15\d* s body 2, last planned at \(")
+                self.assertRegex(outcome.stderr, r"warning: by t = 0\.1\d* s body 2, last planned at \(")
 
 
 if __name__ == "__main__":
