@@ -72,7 +72,7 @@ void Recorder::open_files(std::optional<double> keep_until, std::vector<FrameRec
                                         "deepest in body [m]",
                                         "farthest outside tank [m]"};
     if (simulation.bodies() != nullptr) columns.insert(columns.end(), {"bodies [J]", "work on bodies [J]"});
-    if (scene_.output.audit) columns.push_back("in solids [J]");
+    if (scene_.output.audit) columns.emplace_back("in solids [J]");
     energies_ = std::make_unique<CsvWriter>(folder_ / "energies.csv", columns, keep_until);
     if (simulation.bodies() != nullptr) {
       bodies_ = std::make_unique<CsvWriter>(
