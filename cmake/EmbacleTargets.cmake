@@ -13,6 +13,8 @@ add_library(embacle_options INTERFACE)
 target_compile_features(embacle_options INTERFACE cxx_std_20)
 target_compile_options(embacle_options INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false positives of GCC 12 in std::string
+  # and in the AVX-512 intrinsics that Eigen uses on processors that have them (GCC bug 105593)
+  "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-uninitialized;-Wno-maybe-uninitialized>"
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-align -Woverloaded-virtual
   $<$<BOOL:${EMBACLE_WERROR}>:-Werror>
   $<$<BOOL:${EMBACLE_NATIVE}>:-march=native>
