@@ -52,7 +52,7 @@ class Bodies {
   void leave_accelerations_of(const std::vector<char>& shapes) { left_out_ = shapes; }
 
   /// Makes way for the bodies at the start: false if the water particle at this place is to be left out; otherwise
-  /// moves the place so that it is no nearer to a body than half a particle distance.
+  /// moves the place so that it is not too near to a body.
   [[nodiscard]] bool make_room(double* x) const;
   /// Depth [m] of a place below the surface of one body (negative outside; minus the support where far away).
   [[nodiscard]] double depth_in(std::size_t body, const coupling::Vec3& place) const;
