@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <stdexcept>
 
 namespace embacle::mps {
@@ -242,9 +243,14 @@ double Bodies::penetration(const double* x) const {
 // A particle fills one particle distance across a face, so one whose centre is nearer to it than half of that is in
 // part displaced. That part of all such particles is left out, evenly over the face, so that the water left has the
 // right volume everywhere; continuity would never mend a layer too much or too little.
-bool Bodies::make_room(double* x) const {
+bool Bodies::make_room(double* x, std::int64_t newer_than) const {
   const double l0 = constants_.particle_distance;
   const auto depth = [&](std::size_t b) { return depth_in(b, Vec3(x[0], x[1], x[2])); };
+  const double far = -0.5 * l0;
+  const bool concerned = std::ranges::any_of(std::views::iota(std::size_t{0}, count()), [&](std::size_t b) {
+    return bodies_[b].tag > newer_than && depth(b) > far;
+  });
+  if (!concerned) return true;
   for (std::size_t b = 0; b < count(); ++b) {
     const double gap = -depth(b) / l0;
     if (gap < 0.5 - 1e-6 && !(evenly_spread(x, l0) < 0.5 + gap)) return false;

@@ -51,9 +51,9 @@ class Bodies {
   /// Bodies of these shapes: the extrapolation takes them as not accelerated (LightBodies does that part).
   void leave_accelerations_of(const std::vector<char>& shapes) { left_out_ = shapes; }
 
-  /// Makes way for the bodies at the start: false if the water particle at this place is to be left out; otherwise
-  /// moves the place so that it is not too near to a body.
-  [[nodiscard]] bool make_room(double* x) const;
+  /// Makes way for bodies that appear, those whose tags are greater than `newer_than`: false if the water particle at
+  /// this place is to be left out; otherwise moves the place so that it is not too near to a body.
+  [[nodiscard]] bool make_room(double* x, std::int64_t newer_than = -1) const;
   /// Depth [m] of a place below the surface of one body (negative outside; minus the support where far away).
   [[nodiscard]] double depth_in(std::size_t body, const coupling::Vec3& place) const;
   /// Outward unit normal of the nearest face, at a place near the surface of a body.

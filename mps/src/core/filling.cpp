@@ -282,6 +282,7 @@ InitialParticles fill(const Scene& scene, const Constants& constants, const Wall
       }
     }
   }
+  result.next_id = share.id;
   result.walls = wall_points_of(walls, rank, size);
   return result;
 }

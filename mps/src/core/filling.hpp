@@ -14,6 +14,7 @@ namespace embacle::mps {
 struct InitialParticles {
   std::vector<Traveller> water;
   std::vector<Traveller> walls;
+  std::int64_t next_id = 0;  ///< of water, the same on every rank
   std::vector<std::string> warnings;
 };
 

@@ -43,6 +43,7 @@ Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::
   fields_clock_.every = or_else(scene.output.fields_every, end);
   bodies_clock_.every = or_else(scene.output.bodies_every, end / 1500);
   gauges_clock_.every = or_else(scene.output.gauges_every, end / 1000);
+  openings_clock_.every = gauges_clock_.every;
   energies_clock_.every = or_else(scene.output.energies_every, end / 100);
   if (restart != nullptr) {
     restore(*restart);
@@ -83,6 +84,12 @@ void Recorder::open_files(std::optional<double> keep_until, std::vector<FrameRec
                                    "tx [N m]",   "ty [N m]",   "tz [N m]"},
           keep_until);
     }
+    for (const Opening& opening : scene_.openings) {
+      openings_.push_back(std::make_unique<CsvWriter>(
+          folder_ / "openings" / (opening.name + ".csv"),
+          std::vector<std::string>{"t [s]", "discharge [m3/s]", "level [m]", "speed [m/s]", "volume [m3]"},
+          keep_until));
+    }
     for (const Gauge& gauge : scene_.gauges) {
       const char* column = gauge.kind == GaugeKind::pressure ? "pressure [Pa]"
                            : gauge.kind == GaugeKind::level  ? "level [m]"
@@ -105,6 +112,7 @@ void Recorder::record(bool last) {
   }
   if (fields_ && (fields_clock_.due(time, tolerance) || picture || last)) write_fields();
   if (simulation_.bodies() != nullptr && (bodies_clock_.due(time, tolerance) || last)) write_bodies();
+  if (!scene_.openings.empty() && (openings_clock_.due(time, tolerance) || last)) write_openings();
   if (!scene_.gauges.empty() && (gauges_clock_.due(time, tolerance) || last)) write_gauges();
   if (energies_clock_.due(time, tolerance) || last) write_energies();
   show_progress(last);
@@ -158,6 +166,20 @@ void Recorder::write_bodies() {
     bodies_->row(values);
   }
   if (rank_ == 0) bodies_->flush();
+}
+
+void Recorder::write_openings() {
+  const std::vector<Openings::Passage> passed = simulation_.openings()->passages();
+  const double time = simulation_.time();
+  passed_.resize(passed.size());
+  for (std::size_t k = 0; k < passed.size(); ++k) {
+    const double discharge = time > passed_at_ ? (passed[k].volume - passed_[k]) / (time - passed_at_) : 0;
+    passed_[k] = passed[k].volume;
+    if (rank_ != 0) continue;
+    openings_[k]->row(std::vector<double>{time, discharge, passed[k].level, passed[k].speed, passed[k].volume});
+    openings_[k]->flush();
+  }
+  passed_at_ = time;
 }
 
 void Recorder::write_gauges() {
@@ -359,6 +381,7 @@ Json Recorder::summary(const coupling::FluidLink* link, double wall_seconds) {
   json.set("particle_distance", c.particle_distance).set("support", c.support).set("sound_speed", c.sound_speed);
   json.set("water_particles", now_.particles).set("particles", totals[6]);
   json.set("removed_at_start", simulation_.removed_at_start());
+  if (simulation_.bodies() != nullptr) json.set("displaced_by_arrivals", simulation_.displaced_by_arrivals());
   json.set("neighbour_list_builds", counters.builds).set("decompositions", counters.decompositions);
   json.set("imbalance", simulation_.imbalance())
       .set("imbalance_largest", simulation_.extremes().imbalance)
@@ -450,7 +473,7 @@ std::vector<std::string> Recorder::doubts(double speed, double compression) cons
   }
   const bool driven = !std::equal(c.gravity, c.gravity + 3, c.static_gravity);
   const double allowed = (simulation_.bodies() != nullptr ? 0.05 : 0.01) * largest_energy_;
-  if (!driven && !simulation_.walls().any_moves() && largest_energy_gain_ > allowed) {
+  if (!driven && scene_.openings.empty() && !simulation_.walls().any_moves() && largest_energy_gain_ > allowed) {
     found.push_back(fmt::format(
         "{} gained up to {:.3g} J with no work done ({:.1f} % of the largest kinetic or elastic energy): do "
         "not trust this run; a smaller numerics.cfl{} may help",

@@ -105,6 +105,8 @@ void Simulation::save(CheckpointContent& content) {
   content.counts["builds"] = counters_.builds;
   content.counts["decompositions"] = counters_.decompositions;
   content.counts["removed_at_start"] = removed_at_start_;
+  content.counts["displaced_by_arrivals"] = displaced_by_arrivals_;
+  content.counts["newest_tag"] = newest_tag_;
   std::int64_t sums[3] = {counters_.water_updates, counters_.particle_updates, counters_.pair_sweeps};
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, comm_);
   content.counts["water_updates"] = sums[0];
@@ -123,6 +125,7 @@ void Simulation::save(CheckpointContent& content) {
     boxes.insert(boxes.end(), box.lower.begin(), box.lower.end());
     boxes.insert(boxes.end(), box.upper.begin(), box.upper.end());
   }
+  if (openings_) content.lists["openings"] = openings_->save();
   content.lists["water_of_rank"] = gathered(static_cast<double>(particles_.water), comm_);
   add_water(content, particles_);
   if (!wall_density_) return;
@@ -197,7 +200,11 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   }
   anywhere_ = true;
   find_neighbours(time_);
-  lists_valid_ = false;  // as after the checkpoint
+  lists_valid_ = false;            // as after the checkpoint
+  if (!scene_.openings.empty()) {  // not before: what has to enter or leave does so in the next step
+    openings_.emplace(scene_, constants_, walls_, comm_);
+    openings_->restore(checkpoint.list("openings"));
+  }
   started_ = true;
   just_saved_ = true;
 
@@ -226,6 +233,8 @@ void Simulation::restore(const CheckpointReader& checkpoint) {
   counters_.builds = checkpoint.count("builds");
   counters_.decompositions = checkpoint.count("decompositions") + (same_ranks ? 0 : 1);
   removed_at_start_ = checkpoint.count("removed_at_start");
+  displaced_by_arrivals_ = checkpoint.count("displaced_by_arrivals");
+  newest_tag_ = checkpoint.count("newest_tag");
   if (rank_ == 0) {  // sums over the ranks
     counters_.water_updates = checkpoint.count("water_updates");
     counters_.particle_updates = checkpoint.count("particle_updates");
@@ -282,7 +291,12 @@ void Recorder::restore(const CheckpointReader& checkpoint) {
       frames.push_back({times[i], static_cast<std::int64_t>(steps[i]), static_cast<std::int64_t>(particles[i])});
   }
   open_files(same_folder ? std::optional(time) : std::nullopt, std::move(frames));
-  for (Clock* clock : {&fields_clock_, &bodies_clock_, &gauges_clock_, &energies_clock_}) clock->skip(time, tolerance);
+  for (Clock* clock : {&fields_clock_, &bodies_clock_, &gauges_clock_, &openings_clock_, &energies_clock_})
+    clock->skip(time, tolerance);
+  if (simulation_.openings() != nullptr) {
+    for (const Openings::Passage& passage : simulation_.openings()->passages()) passed_.push_back(passage.volume);
+    passed_at_ = time;
+  }
   const auto& pictures = scene_.output.pictures;
   while (next_picture_ < pictures.size() && time + tolerance >= pictures[next_picture_]) ++next_picture_;
 

@@ -202,6 +202,7 @@ void Simulation::find_neighbours(double time) {
     if (constants_.periodic.any()) {
       for (Traveller& traveller : water) constants_.periodic.wrap(traveller.record.x);
     }
+    if (openings_) openings_->exchange(water, time, decomposition_);
     halo_.migrate(decomposition_, reach, anywhere_, water);
     place_wall_points(time);
     if (anywhere_ || walls_.any_moves()) migrate_wall_points(reach);
@@ -229,6 +230,7 @@ void Simulation::find_neighbours(double time) {
   const Timer timer(phases_, Phase::search);
   if (bodies_) bodies_->resolve_owners(particles_);
   neighbours_.build(particles_, walls_, walls_.thin_walls(time));
+  if (openings_) openings_->list(particles_);
   displacements_.remember(particles_);
   lists_valid_ = true;
   built_at_ = time;
@@ -345,6 +347,7 @@ void Simulation::integrate_velocities() {
           inside ? "is unstable" : "left the domain", std::sqrt(square), constants_.sound_speed, record.s);
     }
   });
+  if (openings_) openings_->drive(particles_);
   if (corrections_) {  // now, so that a step leaves nothing behind but the particles
     for_each(particles_.water, [&](std::size_t i, int) {
       for (int c = 0; c < 3; ++c) particles_.record[i].x[c] += constants_.step * corrections_->shift()[i][c];
@@ -352,7 +355,8 @@ void Simulation::integrate_velocities() {
   }
   if (scene_.output.audit) {
     for (const Triple& a : acceleration_) {
-      for (int c = 0; c < 3; ++c) window_momentum_change_[c] += constants_.particle_mass * constants_.step * a[c];
+      for (int c = 0; c < 3; ++c)
+        window_momentum_change_[c] += constants_.particle_mass * constants_.step * (a[c] - constants_.gravity[c]);
     }
     for (std::size_t i = 0; central_force_ && i < particles_.water; ++i) {
       const Triple a = central_force_->at(particles_.record[i].x);
@@ -418,6 +422,10 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   MPI_Comm_size(comm, &size);
   InitialParticles initial = fill(scene, constants_, walls_, rank_, size);
   warnings_.insert(warnings_.end(), initial.warnings.begin(), initial.warnings.end());
+  if (!scene.openings.empty()) {
+    openings_.emplace(scene, constants_, walls_, comm);
+    openings_->start(initial.water, initial.next_id, rank_, size);
+  }
   particles_.assign(initial.water);
   adopt_walls(initial.walls);
   decompose();
@@ -443,6 +451,7 @@ int Simulation::begin_epoch(int wanted_windows) {
       if (bodies_known_) work_on_bodies_ += energy() - before;
       bodies_known_ = true;
       lists_valid_ = false;
+      welcome_arrivals();
       check_bodies();
     }
   }
@@ -541,7 +550,7 @@ void Simulation::check_window() {
   double sums[12] = {};
   const double mass = constants_.particle_mass * static_cast<double>(particles_.water);
   for (int c = 0; c < 3; ++c) {
-    sums[c] = window_momentum_change_[c] + window_reaction_[c] - mass * window_length() * constants_.gravity[c];
+    sums[c] = window_momentum_change_[c] + window_reaction_[c];
   }
   if (bodies_) {
     for (std::size_t b = 0; b < bodies_->count(); ++b) {

@@ -17,6 +17,7 @@
 #include "core/halo.hpp"
 #include "core/light_bodies.hpp"
 #include "core/neighbours.hpp"
+#include "core/openings.hpp"
 #include "core/operators.hpp"
 #include "core/phases.hpp"
 #include "core/surface_loads.hpp"
@@ -87,6 +88,7 @@ class Simulation {
   [[nodiscard]] const Particles& particles() const { return particles_; }
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
   [[nodiscard]] const Bodies* bodies() const { return bodies_ ? &*bodies_ : nullptr; }
+  [[nodiscard]] const Openings* openings() const { return openings_ ? &*openings_ : nullptr; }
   [[nodiscard]] const Walls& walls() const { return walls_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const Extremes& extremes() const { return extremes_; }
@@ -106,6 +108,8 @@ class Simulation {
   /// Largest work of a rank over the mean, by the last lists.
   [[nodiscard]] double imbalance() const { return imbalance_; }
   [[nodiscard]] std::int64_t removed_at_start() const { return removed_at_start_; }
+  /// Water particles that made way for bodies which appeared later.
+  [[nodiscard]] std::int64_t displaced_by_arrivals() const { return displaced_by_arrivals_; }
   [[nodiscard]] std::size_t bytes() const;
   /// By how much the velocity [m/s] of an own water particle is ahead of its position: half a step of the leapfrog.
   [[nodiscard]] Triple half_kick(std::size_t water) const;
@@ -137,7 +141,8 @@ class Simulation {
   void restore_wall_density(const CheckpointReader& checkpoint);
   [[nodiscard]] double failure_rank() const;
   void report_failure(double largest) const;
-  void remove_water_in_bodies();
+  void remove_water_in_bodies(std::int64_t newer_than = -1);
+  void welcome_arrivals();
   void check_window();
   void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
@@ -172,6 +177,7 @@ class Simulation {
   std::optional<Corrections> corrections_;
   std::optional<Turbulence> turbulence_;
   std::optional<SurfaceLoads> surface_loads_;
+  std::optional<Openings> openings_;
   std::optional<LightBodies> light_bodies_;  ///< where the scene has any
   std::optional<CentralForce> central_force_;
   int steps_per_window_ = 1;
@@ -191,13 +197,14 @@ class Simulation {
   double longest_step_ = 0;      ///< [s]
   Motions own_motions_;          ///< of the own water and bodies, in the last step
   Motions motions_;              ///< of all ranks, in the step before
-  std::int64_t removed_at_start_ = 0;
+  std::int64_t removed_at_start_ = 0, displaced_by_arrivals_ = 0;
+  std::int64_t newest_tag_ = -1;  ///< of all bodies so far, on any rank
   bool started_ = false;
   bool just_saved_ = false;  ///< or just restored: no window since
   std::int64_t earlier_steps_ = 0;
   int requested_ = 0, agreed_request_ = 0;
-  std::string failure_;  ///< set by the rank that finds the simulation broken
-  Triple window_momentum_change_{}, window_reaction_{};
+  std::string failure_;                                  ///< set by the rank that finds the simulation broken
+  Triple window_momentum_change_{}, window_reaction_{};  ///< beyond that by gravity; on solids
   std::vector<std::string> warnings_;
   Extremes extremes_;
   Counters counters_;

@@ -41,19 +41,30 @@ void Simulation::check_bodies() const {
   }
 }
 
-void Simulation::remove_water_in_bodies() {
+void Simulation::remove_water_in_bodies(std::int64_t newer_than) {
   auto water = own_water();
   const auto before = water.size();
   const double clearance = 0.45 * constants_.particle_distance;
   std::erase_if(water, [&](Traveller& traveller) {
     double* const x = traveller.record.x;
     const double place[3] = {x[0], x[1], x[2]};
-    if (!bodies_->make_room(x)) return true;
+    if (!bodies_->make_room(x, newer_than)) return true;
     return !std::equal(x, x + 3, place) && near_wall(scene_, walls_, x, clearance);
   });
   std::int64_t removed = static_cast<std::int64_t>(before - water.size());
-  MPI_Allreduce(&removed, &removed_at_start_, 1, MPI_INT64_T, MPI_SUM, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, &removed, 1, MPI_INT64_T, MPI_SUM, comm_);
+  (started_ ? displaced_by_arrivals_ : removed_at_start_) += removed;
   particles_.assign(water);
+  acceleration_.clear();
+  lists_valid_ = false;
+}
+
+/// Tags are never used twice, and new ones are greater.
+void Simulation::welcome_arrivals() {
+  const std::int64_t known = newest_tag_;
+  for (std::size_t b = 0; b < bodies_->count(); ++b) newest_tag_ = std::max(newest_tag_, bodies_->tag(b));
+  MPI_Allreduce(MPI_IN_PLACE, &newest_tag_, 1, MPI_INT64_T, MPI_MAX, comm_);
+  if (started_ && newest_tag_ > known) remove_water_in_bodies(known);
 }
 
 }  // namespace embacle::mps

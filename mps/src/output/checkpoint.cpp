@@ -10,7 +10,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raised when the meaning of what stands in a checkpoint changes.
-constexpr std::int64_t format_version = 3;
+constexpr std::int64_t format_version = 4;
 constexpr const char* format_name = "embacle_checkpoint";
 
 hid_t type_of(const CheckpointTable& table) {

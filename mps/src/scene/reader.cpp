@@ -50,6 +50,7 @@ class Reader {
         read_section(*inner, path + ".motion", schema().motion, *wall.motion);
       normalise(wall.motion->axis);
     });
+    read_repeated(all.opening, scene.openings, [](Opening&, const toml::table&, const std::string&) {});
     read_repeated(all.gauge, scene.gauges,
                   [](Gauge& gauge, const toml::table&, const std::string&) { normalise(gauge.direction); });
     if (document_.root().contains("coupling")) read_single(all.coupling, scene.coupling);
@@ -345,6 +346,10 @@ class Reader {
 
   void read_value(const toml::node& node, const std::string& path, const Key& key, AngleTable& out) {
     read_table_of(node, path, key, out, read_angle_table);
+  }
+
+  void read_value(const toml::node& node, const std::string& path, const Key& key, Hydrograph& out) {
+    read_table_of(node, path, key, out, read_hydrograph);
   }
 
   void read_value(const toml::node& node, const std::string& path, const Key& key, WaterTable& out) {

@@ -29,7 +29,7 @@ std::string type_text(const Key& key, const Target& target) {
   if (std::holds_alternative<std::string*>(target)) return "text";
   if (std::holds_alternative<std::filesystem::path*>(target) || std::holds_alternative<MotionTable*>(target) ||
       std::holds_alternative<AngleTable*>(target) || std::holds_alternative<WaterTable*>(target) ||
-      std::holds_alternative<SurfacePointer*>(target))
+      std::holds_alternative<SurfacePointer*>(target) || std::holds_alternative<Hydrograph*>(target))
     return "file";
   if (std::holds_alternative<Polygon*>(target)) return "list of points, " + number;
   return key.choices.empty() ? number : "word";
@@ -97,6 +97,9 @@ std::string expectation(const Key& key, const Target& target, int dimension) {
     std::string operator()(const AngleTable*) const {
       return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
+    std::string operator()(const Hydrograph*) const {
+      return operator()(static_cast<const std::filesystem::path*>(nullptr));
+    }
     std::string operator()(const WaterTable*) const {
       return operator()(static_cast<const std::filesystem::path*>(nullptr));
     }
@@ -130,9 +133,10 @@ Paths in the file are relative to its folder.
 | quantity | SI unit | for example | units |
 |---|---|---|---|
 )";
-  for (const Quantity quantity : {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration,
-                                  Quantity::density, Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle,
-                                  Quantity::angular_speed, Quantity::acceleration_per_length, Quantity::plain}) {
+  for (const Quantity quantity :
+       {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::density,
+        Quantity::kinematic_viscosity, Quantity::pressure, Quantity::angle, Quantity::angular_speed,
+        Quantity::acceleration_per_length, Quantity::discharge, Quantity::plain}) {
     const auto cell = [](std::string_view text) { return std::string(text) + " | "; };
     page += "| " + cell(quantity_name(quantity)) + cell(si_unit(quantity)) +
             cell("`\"" + std::string(example_of(quantity)) + "\"`") + std::string(usual_units(quantity)) + " |\n";

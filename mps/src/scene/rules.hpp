@@ -48,6 +48,8 @@ class Rules {
     check_periodic();
     each("water", scene_.water, [this](const std::string& path, const Water& water) { check_water(path, water); });
     each("wall", scene_.walls, [this](const std::string& path, const Wall& wall) { check_wall(path, wall); });
+    each("opening", scene_.openings,
+         [this](const std::string& path, const Opening& opening) { check_opening(path, opening); });
     each("gauge", scene_.gauges, [this](const std::string& path, const Gauge& gauge) { check_gauge(path, gauge); });
     check_output();
   }
@@ -444,6 +446,62 @@ class Rules {
                                    " m), and such a wall cannot turn yet; make it as thick as that, or shorten the "
                                    "support");
     }
+  }
+
+  void check_opening(const std::string& path, const Opening& opening) {
+    using Kind = Opening::Kind;
+    static constexpr std::array<const char*, 3> kinds{"an inflow", "an outflow", "a drain"};
+    const std::string what = kinds[static_cast<std::size_t>(opening.kind)];
+    const auto given = [&](const char* key) { return context_.given(path + key); };
+    const auto refuse = [&](bool wrong, const char* key) {
+      if (wrong && given(key)) context_.report({path + key}, "does not belong to " + what + "; leave it out");
+    };
+    const auto require = [&](bool missing, const std::string& key) {
+      if (missing) context_.report({path}, "the key " + key + " is required for " + what);
+    };
+    const bool drain = opening.kind == Kind::drain, inflow = opening.kind == Kind::inflow;
+    for (const char* key : {".direction", ".discharge", ".hydrograph", ".level"}) refuse(drain, key);
+    refuse(!inflow, ".profile");
+    require(!drain && !given(".direction"), "'direction'");
+    require(opening.kind == Kind::outflow && !given(".level"), "'level'");
+    require(inflow && !given(".discharge") && !given(".hydrograph"), "'discharge' or 'hydrograph'");
+    if (given(".discharge") && given(".hydrograph"))
+      context_.report({path + ".hydrograph", path + ".discharge"}, "an opening has either of them, not both");
+    check_region(path, opening.region, true);
+    if (shifts(scene_.numerics.regularisation))
+      context_.report({path, "numerics.regularisation"}, "does not go with shifting; allowed: collision, none");
+    if (scene_.numerics.integrator == Integrator::symplectic)
+      context_.report({path, "numerics.integrator"}, "does not go with symplectic; allowed: leapfrog");
+    if (!drain && given(".direction")) check_flow(path, opening);
+  }
+
+  /// Through an inflow or outflow.
+  void check_flow(const std::string& path, const Opening& opening) {
+    const int axis = axis_of(opening.direction);
+    const std::string name(1, axis_names[axis]);
+    if (axis >= scene_.dimension)
+      return context_.report({path + ".direction"}, "a 2-D scene has no direction z; allowed: -x, +x");
+    if (axis == scene_.upright() || scene_.fluid.gravity == Vec3d{})
+      return context_.report({path + ".direction", "fluid.gravity"}, "must be level, across gravity");
+    if (scene_.is_periodic(axis))
+      return context_.report({path + ".direction", "domain.periodic"}, "the domain is periodic in " + name);
+    const double height = opening.level.value_or(opening.region.upper[scene_.upright()]);
+    if (height <= opening.region.lower[scene_.upright()] || height > opening.region.upper[scene_.upright()])
+      context_.report({path + ".level", path + ".lower", path + ".upper"},
+                      rounded(height) + " m is not within the zone's height");
+    if (!domain_sound_ || !context_.sound("numerics")) return;
+    const double l0 = scene_.numerics.particle_distance;
+    const double length = opening.region.upper[axis] - opening.region.lower[axis];
+    if (length < support() + l0 - 1e-6 * l0)
+      context_.report({path + ".upper", path + ".lower"}, "in " + name + " the zone is " + rounded(length) +
+                                                              " m long; allowed: at least the support and a particle "
+                                                              "distance, " +
+                                                              rounded(support() + l0) + " m");
+    const double beyond = sign_of(opening.direction) > 0 ? scene_.domain.upper[axis] - opening.region.upper[axis]
+                                                         : opening.region.lower[axis] - scene_.domain.lower[axis];
+    if (opening.kind == Opening::Kind::outflow && beyond < l0 - 1e-6 * l0)
+      context_.report({path + (sign_of(opening.direction) > 0 ? ".upper" : ".lower"), "domain.lower", "domain.upper"},
+                      "behind the zone the domain must go on for at least one particle distance");
   }
 
   void check_gauge(const std::string& path, const Gauge& gauge) {

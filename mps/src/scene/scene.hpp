@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -185,6 +186,44 @@ struct Gauge {
   int line = 0;
 };
 
+/// Rows of (time [s], discharge [m^3/s]), held outside.
+struct Hydrograph {
+  std::vector<std::pair<double, double>> rows;
+};
+
+enum class Direction { x_minus, x_plus, y_minus, y_plus, z_minus, z_plus };
+[[nodiscard]] inline int axis_of(Direction direction) { return static_cast<int>(direction) / 2; }
+[[nodiscard]] inline double sign_of(Direction direction) { return static_cast<int>(direction) % 2 == 0 ? -1 : 1; }
+
+/// Velocity of an inflow over its height: uniform, the 1/7 power, or that of a laminar film.
+enum class Profile { uniform, power, parabolic };
+
+/// A zone at the end of the water through which it enters or leaves, or in which it is taken away.
+struct Opening {
+  enum class Kind { inflow, outflow, drain };
+  std::string name;
+  Kind kind = Kind::inflow;
+  BoxRegion region;                         ///< [m]
+  Direction direction = Direction::x_plus;  ///< of the flow
+  std::optional<double> discharge;          ///< [m^3/s]
+  Hydrograph hydrograph;                    ///< instead of the discharge
+  std::optional<double> level;              ///< of the water [m]
+  Profile profile = Profile::uniform;       ///< of an inflow
+  int line = 0;
+
+  /// [m^3/s]; zero where none is stated
+  [[nodiscard]] double discharge_at(double time) const {
+    const auto& rows = hydrograph.rows;
+    if (rows.empty()) return discharge.value_or(0);
+    const auto after =
+        std::upper_bound(rows.begin(), rows.end(), time, [](double t, const auto& row) { return t < row.first; });
+    if (after == rows.begin()) return rows.front().second;
+    if (after == rows.end()) return rows.back().second;
+    const auto before = std::prev(after);
+    return std::lerp(before->second, after->second, (time - before->first) / (after->first - before->first));
+  }
+};
+
 struct Fluid {
   double density = 1000;           ///< [kg/m^3]
   double kinematic_viscosity = 0;  ///< [m^2/s]; 0 leaves the viscous term out
@@ -253,6 +292,7 @@ struct Scene {
   Numerics numerics;
   std::vector<Water> water;
   std::vector<Wall> walls;
+  std::vector<Opening> openings;
   std::vector<Gauge> gauges;
   Coupling coupling;
   Output output;
@@ -260,6 +300,15 @@ struct Scene {
   std::map<std::string, double> parameters;  ///< the scene's own parameters, after --set, in SI
 
   [[nodiscard]] bool coupled() const { return !coupling.script.empty(); }
+  /// The axis that is closest to upright.
+  [[nodiscard]] int upright() const {
+    const Vec3d& g = fluid.gravity;
+    int axis = dimension - 1;
+    for (int c = 0; c < dimension; ++c) {
+      if (std::abs(g[c]) > std::abs(g[axis])) axis = c;
+    }
+    return axis;
+  }
   [[nodiscard]] bool is_periodic(int axis) const {
     return std::find(periodic.begin(), periodic.end(), std::string(1, "xyz"[axis])) != periodic.end();
   }

@@ -59,17 +59,18 @@ void add_form(std::vector<Field<T>>& fields) {
 Schema make_schema() {
   using Q = Quantity;
   Schema s;
-  s.root = {"",
-            "Keys at the top of the file, before the first section.",
-            {
-                {{.name = "title", .meaning = "one line that says what the scene shows", .default_text = "none"},
-                 [](Scene& x) -> Target { return &x.title; }},
-                {{.name = "dimension",
-                  .meaning = "number of space dimensions; in 2-D the plane is x-y, with y upwards",
-                  .range = between(2, 3)},
-                 [](Scene& x) -> Target { return &x.dimension; }},
-            },
-            {"parameters", "domain", "fluid", "numerics", "water", "wall", "gauge", "coupling", "output", "run"}};
+  s.root = {
+      "",
+      "Keys at the top of the file, before the first section.",
+      {
+          {{.name = "title", .meaning = "one line that says what the scene shows", .default_text = "none"},
+           [](Scene& x) -> Target { return &x.title; }},
+          {{.name = "dimension",
+            .meaning = "number of space dimensions; in 2-D the plane is x-y, with y upwards",
+            .range = between(2, 3)},
+           [](Scene& x) -> Target { return &x.dimension; }},
+      },
+      {"parameters", "domain", "fluid", "numerics", "water", "wall", "opening", "gauge", "coupling", "output", "run"}};
   s.domain = {
       "domain",
       "The box that holds everything. Water that leaves it ends the run with status 3, except where it is periodic.",
@@ -353,6 +354,59 @@ Schema make_schema() {
            [](Motion& x) -> Target { return &x.interpolation; }},
       },
       {}};
+  s.opening = {
+      "opening",
+      "A place where water enters or leaves (docs/open-boundaries.md). Any number of them; with `regularisation` other "
+      "than shifting, the leapfrog, and no periodic direction along the flow.",
+      {
+          {name, [](Opening& x) -> Target { return &x.name; }},
+          {{.name = "kind",
+            .meaning = "`inflow`: water enters in the zone and leaves it into the reach; `outflow`: it enters the zone "
+                       "from the reach and is taken away at its end; `drain`: it is taken away anywhere in the box, "
+                       "as behind a weir",
+            .choices = {"inflow", "outflow", "drain"},
+            .required = true},
+           [](Opening& x) -> Target { return &x.kind; }},
+          {{.name = "direction",
+            .meaning = "of the flow, level; not for a drain",
+            .choices = {"-x", "+x", "-y", "+y", "-z", "+z"},
+            .default_text = "none"},
+           [](Opening& x) -> Target { return &x.direction; }},
+          {{.name = "lower",
+            .meaning = "lowest corner of the zone. Along the flow it is at least the support and one particle "
+                       "distance long; across the flow and in height it holds all that passes",
+            .quantity = Q::length,
+            .required = true},
+           [](Opening& x) -> Target { return &x.region.lower; }},
+          {{.name = "upper", .meaning = "highest corner", .quantity = Q::length, .required = true},
+           [](Opening& x) -> Target { return &x.region.upper; }},
+          {{.name = "discharge",
+            .meaning = "of an inflow: what enters (in 2-D through the domain's thickness). Of an outflow: what it lets "
+                       "out when the water is at its level; without one, what keeps the water at that level in the "
+                       "long run",
+            .quantity = Q::discharge,
+            .range = not_negative,
+            .default_text = "none"},
+           [](Opening& x) -> Target { return &x.discharge; }},
+          {{.name = "hydrograph",
+            .meaning = "instead: CSV file of the discharge over time, path relative to the scene file: a header line "
+                       "`t [s], discharge [m3/s]` (or `[l/s]`) and rows of rising time; held before and after",
+            .default_text = "none"},
+           [](Opening& x) -> Target { return &x.hydrograph; }},
+          {{.name = "level",
+            .meaning = "height of the water; required for an outflow. Of an inflow without one it follows the water "
+                       "in the reach",
+            .quantity = Q::length,
+            .default_text = "none"},
+           [](Opening& x) -> Target { return &x.level; }},
+          {{.name = "profile",
+            .meaning = "velocity of an inflow over the height above the bed: `uniform`, `power` (1/7) or `parabolic`, "
+                       "as of a laminar film",
+            .choices = {"uniform", "power", "parabolic"}},
+           [](Opening& x) -> Target { return &x.profile; }},
+      },
+      {},
+      true};
   s.gauge = {
       "gauge",
       "A place where the water is recorded over time, in `gauges/NAME.csv`. Any number of them.",

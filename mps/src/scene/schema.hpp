@@ -24,11 +24,12 @@ using SurfacePointer = std::shared_ptr<const Surface>;
 using Polygon = std::vector<Vec3d>;
 
 /// Where a value goes; the type of the pointer is the type that the key expects.
-using Target = std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
-                            std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*,
-                            KernelKind*, Regularisation*, Diffusion*, Integrator*, TurbulenceModel*, WallPressure*,
-                            Scheme*, Loads*, GaugeKind*, Wall::Kind*, Water::Kind*, WaterTable*, std::optional<Vec3d>*,
-                            Axis*, Polygon*, SurfacePointer*, AngleTable*, Interpolation*>;
+using Target =
+    std::variant<double*, std::optional<double>*, std::optional<bool>*, Vec3d*, int*, bool*, std::string*,
+                 std::filesystem::path*, std::vector<double>*, std::vector<std::string>*, MotionTable*, KernelKind*,
+                 Regularisation*, Diffusion*, Integrator*, TurbulenceModel*, WallPressure*, Scheme*, Loads*, GaugeKind*,
+                 Wall::Kind*, Water::Kind*, WaterTable*, std::optional<Vec3d>*, Axis*, Polygon*, SurfacePointer*,
+                 AngleTable*, Interpolation*, Hydrograph*, Direction*, Profile*, Opening::Kind*>;
 
 /// Index of the word that an enumeration stands for; nothing for other values.
 [[nodiscard]] inline std::optional<std::size_t> choice_of(const Target& target) {
@@ -96,6 +97,7 @@ struct Schema {
   Section<Water> water;
   Section<Wall> wall;
   Section<Motion> motion;
+  Section<Opening> opening;
   Section<Gauge> gauge;
   Section<Coupling> coupling;
   Section<Output> output;
@@ -104,7 +106,8 @@ struct Schema {
   /// Calls f(section) for each in the order of the reference page.
   template <class F>
   void for_each(F&& f) const {
-    f(root), f(domain), f(fluid), f(numerics), f(water), f(wall), f(motion), f(gauge), f(coupling), f(output), f(run);
+    f(root), f(domain), f(fluid), f(numerics), f(water), f(wall), f(motion), f(opening), f(gauge), f(coupling),
+        f(output), f(run);
   }
 };
 

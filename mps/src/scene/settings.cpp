@@ -69,6 +69,7 @@ struct Text {
     }
     return std::to_string(x->size()) + " rows, checksum " + std::to_string(sum.value);
   }
+  std::string operator()(const Hydrograph* x) const { return operator()(&x->rows); }
   std::string operator()(const WaterTable* x) const {
     Checksum sum;
     for (const WaterTable::Row& row : x->rows) {
@@ -136,6 +137,7 @@ std::string lasting_settings(const Scene& scene) {
     append(lines, all.wall, "wall." + wall.name, wall);
     if (wall.motion) append(lines, all.motion, "wall." + wall.name + ".motion", *wall.motion);
   }
+  for (Opening& opening : copy.openings) append(lines, all.opening, "opening." + opening.name, opening);
   if (copy.coupled()) {
     copy.coupling.script = copy.coupling.script.filename();  // the scene may have moved as a whole
     append(lines, all.coupling, "coupling", copy.coupling);
@@ -168,7 +170,7 @@ void compare_settings(const Scene& scene, const std::string& now, const std::str
     if (find(present, key_of(line)) == present.end())
       problems.push_back(key_of(line) + ": not there (then: " + value_of(line) + ")");
   }
-  if (problems.empty()) problems.emplace_back("the order of the walls or waters");
+  if (problems.empty()) problems.emplace_back("the order of the walls, waters or openings");
   std::string text;
   for (std::size_t i = 0; i < std::min(problems.size(), most_named); ++i) text += "\n  " + problems[i];
   if (problems.size() > most_named) text += "\n  and " + std::to_string(problems.size() - most_named) + " more";

@@ -1,4 +1,4 @@
-// The tables that a scene can name: displacements of walls, water at the start. Included by reader.cpp only.
+// The tables that a scene can name: motions of walls, discharges, water at the start. Included by reader.cpp only.
 #pragma once
 
 #include <numeric>
@@ -26,6 +26,18 @@ double rising_time(const Rows& before, double time, int line) {
                table.emplace_back(rising_time(table, row[0], line), row[1]);
              });
   return table;
+}
+
+/// Reads a CSV file of discharges: rows of strictly rising time, no discharge below zero. Throws TableError.
+[[nodiscard]] inline Hydrograph read_hydrograph(const std::filesystem::path& file, int) {
+  static constexpr std::array<Column, 2> columns{{{"t", Quantity::time}, {"discharge", Quantity::discharge}}};
+  Hydrograph result;
+  read_table(file, std::span<const Column>(columns), largest_scene_file,
+             [&](const Header&, const std::vector<double>& row, int line) {
+               if (row[1] < 0) throw TableError(line, "discharge " + number_text(row[1]) + " m3/s; allowed: >= 0");
+               result.rows.emplace_back(rising_time(result.rows, row[0], line), row[1]);
+             });
+  return result;
 }
 
 /// Reads a CSV file of displacements: rows of strictly rising time. Throws TableError.

@@ -20,7 +20,7 @@ struct QuantityEntry {
   std::string_view usual_units;
 };
 
-constexpr std::array<QuantityEntry, 11> quantities{{
+constexpr std::array<QuantityEntry, 12> quantities{{
     {Quantity::plain, {0, 0, 0, 0}, "plain number", "", "50 %", "%"},
     {Quantity::length, {1, 0, 0, 0}, "length", "m", "2 mm", "m, dm, cm, mm, um, km"},
     {Quantity::time, {0, 0, 1, 0}, "time", "s", "20 ms", "s, ms, us, min, h"},
@@ -32,6 +32,7 @@ constexpr std::array<QuantityEntry, 11> quantities{{
     {Quantity::angle, {0, 0, 0, 1}, "angle", "rad", "30 deg", "rad, deg"},
     {Quantity::angular_speed, {0, 0, -1, 1}, "angular speed", "rad/s", "10 deg/s", "rad/s, deg/s"},
     {Quantity::acceleration_per_length, {0, 0, -2, 0}, "acceleration per length", "m/s2/m", "1 m/s2/m", "m/s2/m, Hz2"},
+    {Quantity::discharge, {3, 0, -1, 0}, "discharge", "m3/s", "12 l/s", "m3/s, l/s, m3/h"},
 }};
 
 /// Quantities that no key of a scene takes but that a parameter for the solid side's script may have.

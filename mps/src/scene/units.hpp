@@ -21,7 +21,8 @@ enum class Quantity {
   pressure,
   angle,
   angular_speed,
-  acceleration_per_length
+  acceleration_per_length,
+  discharge
 };
 
 /// Exponents of metre, kilogram, second and radian.

@@ -47,6 +47,38 @@ inline Scene collapsing_column(int dimension, int n, double particle_distance = 
   return scene;
 }
 
+/// A channel, 40 particles long and 10 deep, through which water flows at 0.4 m/s along x, in 3-D 6 wide: in its first
+/// 0.05 m it enters, in its last 0.05 m it leaves.
+inline Scene reach(int dimension) {
+  Scene scene = still_tank(dimension, 10);
+  scene.title = "reach";
+  const int up = dimension - 1;
+  const Vec3d across = {0, dimension == 3 ? 0.06 : 0.0, 0};
+  Water& water = scene.water.front();
+  water.region = {{-0.05, 0, 0}, {0.45, across[1], 0}};
+  water.region.upper[up] = 0.1;
+  water.velocity = {0.4, 0, 0};
+  Wall& channel = scene.walls.front();
+  channel.region = {{-0.1, 0, 0}, {0.5, across[1], 0}};
+  channel.region.upper[up] = 0.2;
+  channel.open = {"x-", "x+", dimension == 3 ? "z+" : "y+"};
+  Opening inflow;
+  inflow.name = "in";
+  inflow.region = {{-0.05, 0, 0}, {0, across[1], 0}};
+  inflow.region.upper[up] = 0.15;
+  inflow.discharge = 0.4 * 0.1 * (dimension == 3 ? 0.06 : scene.thickness);
+  Opening outflow = inflow;
+  outflow.name = "out";
+  outflow.kind = Opening::Kind::outflow;
+  outflow.region.lower[0] = 0.4;
+  outflow.region.upper[0] = 0.45;
+  outflow.discharge.reset();
+  outflow.level = 0.1;
+  scene.openings = {inflow, outflow};
+  scene.numerics.reference_speed = 1.4;
+  return scene;
+}
+
 /// Water that fills a domain of n particles each way, periodic in all directions, without gravity.
 inline Scene endless_water(int dimension, int n, double particle_distance = 0.01) {
   Scene scene = still_tank(dimension, n, particle_distance);

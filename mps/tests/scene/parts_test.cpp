@@ -51,6 +51,40 @@ TEST_F(SceneFile, AngleTablesAreReadStrictly) {
   EXPECT_EQ(read_scene(scene(full_)).walls[7].motion->angle_table, (AngleTable{{0.5, 2}}));
 }
 
+TEST_F(SceneFile, HydrographsAreReadStrictly) {
+  const std::pair<std::string, const char*> mistakes[] = {
+      {"t [s], discharge [m2/s]\n0, 0\n", "expected a discharge"},
+      {"t [s], discharge [l/s]\n0, 1\n1, -2\n",
+       "flood.csv:3: opening.mouth.hydrograph: discharge -0.002 m3/s; allowed: >= 0"},
+      {"t, discharge\n1, 0\n1, 1\n", "flood.csv:3: opening.mouth.hydrograph: time 1 s is not after"},
+  };
+  for (const auto& [text, expected] : mistakes) {
+    write(folder_ / "flood.csv", text);
+    EXPECT_HAS(error(full_), expected);
+  }
+}
+
+TEST_F(SceneFile, OpeningsHaveRules) {
+  const std::tuple<const char*, const char*, const char*> mistakes[] = {
+      {"kind = \"drain\"", "kind = \"drain\"\nlevel = 0.1", "opening.gully.level: does not belong to a drain"},
+      {"kind = \"outflow\"", "kind = \"outflow\"\nprofile = \"power\"",
+       "opening.mouth.profile: does not belong to an outflow"},
+      {"direction = \"+x\"\n", "", "opening.brook: the key 'direction' is required for an inflow"},
+      {"direction = \"+x\"", "direction = \"+z\"", "opening.brook.direction: must be level, across gravity"},
+      {"direction = \"+x\"", "direction = \"x\"", "allowed: -x, +x, -y, +y, -z, +z"},
+      {"level = \"20 cm\"\nhydrograph", "hydrograph", "opening.mouth: the key 'level' is required for an outflow"},
+      {"discharge = \"12 l/s\"\n", "", "opening.brook: the key 'discharge' or 'hydrograph' is required"},
+      {"hydrograph = \"flood.csv\"", "hydrograph = \"flood.csv\"\ndischarge = 1",
+       "opening.mouth.hydrograph: an opening has either of them, not both"},
+      {"level = \"20 cm\"\nprofile", "level = 0.5\nprofile", "opening.brook.level: 0.5 m is not within the zone's"},
+      {"upper = [\"5 cm\", 0.4, 0.4]", "upper = [\"2 cm\", 0.4, 0.4]",
+       "in x the zone is 0.01 m long; allowed: at least the support and a particle distance, 0.0205 m"},
+      {"lower = [1.6, 0.1, 0]", "lower = [1.6, 0, 0]",
+       "opening.mouth.lower: behind the zone the domain must go on for at least one particle distance"},
+  };
+  for (const auto& [from, to, expected] : mistakes) EXPECT_HAS(error_with(from, to), expected);
+}
+
 TEST_F(SceneFile, TurnsAndCentralForcesHaveRules) {
   const std::tuple<const char*, const char*, const char*> mistakes[] = {
       {"angle_table = \"flap.csv\"", "angle_table = \"flap.csv\"\nangular_velocity = 1",

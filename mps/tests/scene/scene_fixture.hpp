@@ -56,7 +56,7 @@ class SceneFile : public testing::Test {
   void SetUp() override {
     folder_ = fs::path(testing::TempDir()) / ("scene_test_" + std::to_string(getpid()));
     fs::create_directories(folder_);
-    for (const char* file : {"in.blocks", "paddle.csv", "flap.csv", "start.csv", "block.stl"})
+    for (const char* file : {"in.blocks", "paddle.csv", "flap.csv", "start.csv", "flood.csv", "block.stl"})
       fs::copy_file(scenes / file, folder_ / file, fs::copy_options::overwrite_existing);
   }
   void TearDown() override { fs::remove_all(folder_); }

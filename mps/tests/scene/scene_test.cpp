@@ -94,6 +94,20 @@ TEST(Read, FullScene) {
   EXPECT_EQ(flap.axis, (Vec3d{0, 1, 0})) << "a unit vector";
   EXPECT_EQ(flap.interpolation, Interpolation::cubic);
   EXPECT_TRUE(flap.moves());
+  ASSERT_EQ(s.openings.size(), 3U);
+  const Opening &brook = s.openings[0], &mouth = s.openings[1];
+  EXPECT_EQ(brook.kind, Opening::Kind::inflow);
+  EXPECT_EQ(brook.direction, Direction::x_plus);
+  EXPECT_EQ(brook.discharge, 0.012);
+  EXPECT_EQ(brook.level, 0.2);
+  EXPECT_EQ(brook.profile, Profile::power);
+  EXPECT_EQ(brook.discharge_at(5), 0.012);
+  EXPECT_EQ(axis_of(mouth.direction), 1);
+  EXPECT_EQ(sign_of(mouth.direction), -1);
+  EXPECT_EQ(mouth.discharge_at(-1), 0.01);
+  EXPECT_DOUBLE_EQ(mouth.discharge_at(0.5), 0.015);
+  EXPECT_EQ(mouth.discharge_at(3), 0.03);
+  EXPECT_EQ(s.openings[2].kind, Opening::Kind::drain);
   ASSERT_EQ(s.gauges.size(), 2U);
   EXPECT_EQ(s.gauges[0].kind, GaugeKind::level);
   EXPECT_EQ(s.gauges[0].position, (Vec3d{0.25 + 0.05, 0.25, 0}));
@@ -297,7 +311,9 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
       {"wall_pressure = \"extrapolated\"", "wall_pressure = \"continuity\"",
        "numerics.wall_pressure: continuity is for walls only, and the scene has solids (coupling.script)"},
       {"integrator = \"leapfrog\"", "integrator = \"symplectic\"",
-       "numerics.integrator: symplectic does not go with shifting"},
+       "opening.brook: does not go with symplectic; allowed: leapfrog"},
+      {"regularisation = \"none\"", "regularisation = \"shifting\"",
+       "opening.brook: does not go with shifting; allowed: collision, none"},
       {"integrator = \"leapfrog\"", "integrator = \"symplectic\"",
        "numerics.integrator: symplectic is for scenes without solids (coupling.script)"},
       {"turbulence = \"smagorinsky\"", "turbulence = \"none\"",
@@ -313,6 +329,8 @@ TEST_F(SceneFile, EachMistakeIsNamed) {
 }
 
 TEST_F(SceneFile, OverridesAreBlamedForTheirMistakes) {
+  EXPECT_HAS(error(full_, {"numerics.integrator=symplectic", "numerics.regularisation=shifting"}),
+             "numerics.integrator: symplectic does not go with shifting");
   const std::pair<const char*, const char*> mistakes[] = {
       {"title", "--set title: expected key.path=value"},
       {"a..b=1", "expected key.path=value"},
@@ -358,6 +376,7 @@ void for_each_key(F&& f) {
     static const std::map<std::string, std::string> instances{{"water", "water.upstream"},
                                                               {"wall", "wall.tank"},
                                                               {"wall.motion", "wall.gate.motion"},
+                                                              {"opening", "opening.brook"},
                                                               {"gauge", "gauge.surge"}};
     const auto found = instances.find(section.path);
     const std::string at = found == instances.end() ? section.path : found->second;
