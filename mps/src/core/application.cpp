@@ -231,6 +231,7 @@ std::string explain_report(const Scene& scene) {
   module(scene.coupled() && scene.coupling.predictor && scene.coupling.steps_per_window > 1, "predictor of the bodies",
          "a message between ranks that share a body, each step");
   module(scene.output.fields, "fields (HDF5)", "at output times");
+  module(std::ranges::any_of(scene.walls, &Wall::forces), "forces on structures", "a sum over wall points");
   module(!scene.openings.empty(), "open boundaries", "two reductions a list; their zones are particles as others");
   module(!scene.gauges.empty(), "gauges", "a reduction each, at their times");
   module(scene.output.audit, "conservation audit", "a reduction a window");

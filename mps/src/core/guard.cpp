@@ -88,10 +88,11 @@ void Guard::hold_outside(std::vector<Contact>& contacts, Triple& acceleration, d
 }
 
 void Guard::apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time,
-                  double step, std::vector<Triple>& acceleration, Triple& wall_reaction,
+                  double step, std::vector<Triple>& acceleration, std::vector<coupling::Load>& wall_loads,
                   std::vector<coupling::Load>& body_loads) {
   const std::vector<Stride> strides = walls_.strides(time - step, time, step);
-  loads_.reset(bodies != nullptr ? bodies->count() + 1 : 1);
+  const int first_body = walls_.count();
+  loads_.reset(first_body + (bodies != nullptr ? bodies->count() : 0));
   std::vector<std::vector<Contact>> contacts_of_thread(threads());
   for_each(particles.water, [&](std::size_t i, int thread) {
     const NeighbourRange range = neighbours.of_water(i);
@@ -99,10 +100,10 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     const Record& record = particles.record[i];
     std::vector<Contact>& contacts = contacts_of_thread[thread];  // bodies first, then walls
     contacts.clear();
-    const auto add = [&](int body, const Vec3d& normal, double distance, const Vec3d& velocity) {
+    const auto add = [&](int solid, const Vec3d& normal, double distance, const Vec3d& velocity) {
       double approach = 0;
       for (int c = 0; c < 3; ++c) approach += normal[c] * (record.v[c] - velocity[c]);
-      contacts.push_back({body, normal, distance, approach, push(distance, approach)});
+      contacts.push_back({solid, normal, distance, approach, push(distance, approach)});
     };
     const Vec3 place(record.x[0], record.x[1], record.x[2]);
     for (std::size_t b = 0; bodies != nullptr && b < bodies->count(); ++b) {
@@ -111,7 +112,8 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       const Vec3 normal = bodies->outward_normal(b, place);
       const auto& state = bodies->all()[b].state;
       const Vec3 surface = state.velocity + state.angular_velocity.cross(place - state.position);
-      add(static_cast<int>(b), {normal[0], normal[1], normal[2]}, distance, {surface[0], surface[1], surface[2]});
+      add(first_body + static_cast<int>(b), {normal[0], normal[1], normal[2]}, distance,
+          {surface[0], surface[1], surface[2]});
     }
     for (const Face& face : faces_) {
       const Stride& stride = strides[face.wall];
@@ -120,12 +122,12 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
         const Vec3d zero = pose.zero({record.x[0], record.x[1], record.x[2]});
         const double distance = face.sign * (zero[face.axis] - face.place);
         if (distance >= distance_ || distance < -constants_.support) continue;
-        add(no_body, pose.turn(axis_normal(face.axis, face.sign)), distance, stride.velocity_of(zero));
+        add(face.wall, pose.turn(axis_normal(face.axis, face.sign)), distance, stride.velocity_of(zero));
         continue;
       }
       const double distance = face.sign * (record.x[face.axis] - face.place - pose.moved[face.axis]);
       if (distance >= distance_ || distance < -constants_.support) continue;
-      add(no_body, axis_normal(face.axis, face.sign), distance, stride.velocity);
+      add(face.wall, axis_normal(face.axis, face.sign), distance, stride.velocity);
     }
     for (const int w : boxes_) {
       const BoxRegion& box = scene_.walls[w].region;
@@ -149,7 +151,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
         }
       }
       if (axis < 0 || nearest >= distance_) continue;
-      add(no_body, strides[w].after.turn(axis_normal(axis, sign)), nearest, strides[w].velocity_of(zero));
+      add(w, strides[w].after.turn(axis_normal(axis, sign)), nearest, strides[w].velocity_of(zero));
     }
     for (const int w : solids_) {
       const BoxRegion& region = scene_.walls[w].region;
@@ -164,7 +166,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       if (!near) continue;
       const double distance = walls_.solid(w)->distance(local.data(), &normal);
       if (distance >= distance_) continue;
-      add(no_body, strides[w].after.turn(normal), distance, strides[w].velocity_of(zero));
+      add(w, strides[w].after.turn(normal), distance, strides[w].velocity_of(zero));
     }
     if (contacts.empty()) return;
 
@@ -173,13 +175,15 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     for (const Contact& contact : contacts) {
       Vec3 force;  // on the solid
       for (int c = 0; c < 3; ++c) force[c] = -constants_.particle_mass * contact.push * contact.normal[c];
-      const Vec3 arm = contact.body == no_body ? place : Vec3(place - bodies->all()[contact.body].state.position);
-      loads[contact.body + 1] += {force, arm.cross(force)};
+      const bool wall = contact.solid < first_body;
+      const Vec3 arm = wall ? place : Vec3(place - bodies->all()[contact.solid - first_body].state.position);
+      loads[contact.solid] += {force, arm.cross(force)};
     }
   });
   loads_.join();
-  for (int c = 0; c < 3; ++c) wall_reaction[c] += loads_.total()[0].force[c];
-  for (std::size_t b = 1; b < loads_.total().size(); ++b) body_loads[b - 1] += loads_.total()[b];
+  const std::vector<Load>& total = loads_.total();
+  wall_loads.assign(total.begin(), total.begin() + first_body);
+  for (std::size_t b = first_body; b < total.size(); ++b) body_loads[b - first_body] += total[b];
 }
 
 }  // namespace embacle::mps

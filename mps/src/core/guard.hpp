@@ -20,19 +20,20 @@ class Guard {
  public:
   Guard(const Scene& scene, const Constants& constants, const Walls& walls);
 
-  /// Adds to the acceleration of the own water, and the opposite forces to `wall_reaction` (one sum for all walls) and
-  /// to `body_loads` (one per body of this rank; ignored without bodies). `time` is that of the positions.
+  /// Adds to the acceleration of the own water, sets `wall_loads` to the opposite forces (one per wall; torques about
+  /// the origin), and adds those on bodies to `body_loads` (one per body of this rank; ignored without bodies). `time`
+  /// is that of the positions.
   void apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time, double step,
-             std::vector<Triple>& acceleration, Triple& wall_reaction, std::vector<coupling::Load>& body_loads);
+             std::vector<Triple>& acceleration, std::vector<coupling::Load>& wall_loads,
+             std::vector<coupling::Load>& body_loads);
 
  private:
   /// Acceleration magnitude along the outward normal for a place `distance` outside the surface (negative: inside),
   /// with normal velocity `approach` relative to it (negative: approaching).
   [[nodiscard]] double push(double distance, double approach) const;
 
-  static constexpr int no_body = -1;
   struct Contact {
-    int body;  ///< or no_body: a wall
+    int solid;  ///< a wall, or the number of walls + a body
     Vec3d normal;
     double distance;
     double approach;  ///< normal velocity relative to the surface, negative: approaching
@@ -57,7 +58,7 @@ class Guard {
   double clearance_;                  ///< that the next step leaves
   double leaving_speed_;              ///< outward, above which it does not push [m/s]
   double stiffness_;                  ///< [1/s^2]
-  ThreadSums<coupling::Load> loads_;  ///< on all walls together, then on each body
+  ThreadSums<coupling::Load> loads_;  ///< on each wall, then on each body
 };
 
 }  // namespace embacle::mps

@@ -43,7 +43,7 @@ Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::
   fields_clock_.every = or_else(scene.output.fields_every, end);
   bodies_clock_.every = or_else(scene.output.bodies_every, end / 1500);
   gauges_clock_.every = or_else(scene.output.gauges_every, end / 1000);
-  openings_clock_.every = gauges_clock_.every;
+  openings_clock_.every = structures_clock_.every = gauges_clock_.every;
   energies_clock_.every = or_else(scene.output.energies_every, end / 100);
   if (restart != nullptr) {
     restore(*restart);
@@ -84,6 +84,13 @@ void Recorder::open_files(std::optional<double> keep_until, std::vector<FrameRec
                                    "tx [N m]",   "ty [N m]",   "tz [N m]"},
           keep_until);
     }
+    for (const Wall& wall : scene_.walls) {
+      if (!wall.forces) continue;
+      structures_.push_back(std::make_unique<CsvWriter>(
+          folder_ / "structures" / (wall.name + ".csv"),
+          std::vector<std::string>{"t [s]", "fx [N]", "fy [N]", "fz [N]", "tx [N m]", "ty [N m]", "tz [N m]"},
+          keep_until));
+    }
     for (const Opening& opening : scene_.openings) {
       openings_.push_back(std::make_unique<CsvWriter>(
           folder_ / "openings" / (opening.name + ".csv"),
@@ -112,6 +119,7 @@ void Recorder::record(bool last) {
   }
   if (fields_ && (fields_clock_.due(time, tolerance) || picture || last)) write_fields();
   if (simulation_.bodies() != nullptr && (bodies_clock_.due(time, tolerance) || last)) write_bodies();
+  if (simulation_.structures() != nullptr && (structures_clock_.due(time, tolerance) || last)) write_structures();
   if (!scene_.openings.empty() && (openings_clock_.due(time, tolerance) || last)) write_openings();
   if (!scene_.gauges.empty() && (gauges_clock_.due(time, tolerance) || last)) write_gauges();
   if (energies_clock_.due(time, tolerance) || last) write_energies();
@@ -166,6 +174,16 @@ void Recorder::write_bodies() {
     bodies_->row(values);
   }
   if (rank_ == 0) bodies_->flush();
+}
+
+void Recorder::write_structures() {
+  const std::vector<coupling::Load> means = simulation_.structures()->take_means(simulation_.comm());
+  if (rank_ != 0) return;
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    const auto& [f, t] = means[k];
+    structures_[k]->row(std::vector<double>{simulation_.time(), f[0], f[1], f[2], t[0], t[1], t[2]});
+    structures_[k]->flush();
+  }
 }
 
 void Recorder::write_openings() {

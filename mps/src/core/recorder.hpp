@@ -48,6 +48,7 @@ class Recorder {
   void write_fields();
   void write_bodies();
   void write_gauges();
+  void write_structures();
   void write_openings();
   void write_energies();
   void write_stage() const;  ///< stage.json: what pictures need to know of the scene
@@ -61,10 +62,10 @@ class Recorder {
   int rank_ = 0;
   std::unique_ptr<FieldWriter> fields_;
   std::unique_ptr<CsvWriter> bodies_, energies_;
-  std::vector<std::unique_ptr<CsvWriter>> gauges_, openings_;
+  std::vector<std::unique_ptr<CsvWriter>> gauges_, structures_, openings_;
   std::vector<double> passed_;  ///< through each opening, when it was last written [m3]
   double passed_at_ = 0;        ///< then [s]
-  Clock fields_clock_, bodies_clock_, gauges_clock_, openings_clock_, energies_clock_;
+  Clock fields_clock_, bodies_clock_, gauges_clock_, structures_clock_, openings_clock_, energies_clock_;
   std::size_t next_picture_ = 0;
   WaterState start_, now_;
   std::int64_t interactions_ = 0, listed_ = 0;       ///< of the steps at which energies were written; on this rank

@@ -291,7 +291,8 @@ void Recorder::restore(const CheckpointReader& checkpoint) {
       frames.push_back({times[i], static_cast<std::int64_t>(steps[i]), static_cast<std::int64_t>(particles[i])});
   }
   open_files(same_folder ? std::optional(time) : std::nullopt, std::move(frames));
-  for (Clock* clock : {&fields_clock_, &bodies_clock_, &gauges_clock_, &openings_clock_, &energies_clock_})
+  for (Clock* clock :
+       {&fields_clock_, &bodies_clock_, &gauges_clock_, &structures_clock_, &openings_clock_, &energies_clock_})
     clock->skip(time, tolerance);
   if (simulation_.openings() != nullptr) {
     for (const Openings::Passage& passage : simulation_.openings()->passages()) passed_.push_back(passage.volume);

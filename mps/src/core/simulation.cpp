@@ -302,8 +302,8 @@ void Simulation::evaluate_forces(double time) {
   } else if (bodies_) {
     load_ = bodies_->partial_loads(particles_, reaction_.total());
   }
-  guard_reaction_ = {};
-  guard_.apply(particles_, neighbours_, bodies(), time, constants_.step, acceleration_, guard_reaction_, load_);
+  guard_.apply(particles_, neighbours_, bodies(), time, constants_.step, acceleration_, guard_loads_, load_);
+  if (structures_) structures_->add(particles_, reaction_.total(), guard_loads_, constants_.step);
   if (light_bodies_) {
     light_bodies_->apply(particles_, neighbours_, *bodies_, *link_, predicts() ? constants_.step : window_length(),
                          counters_.steps == 0, acceleration_, load_);
@@ -368,9 +368,10 @@ void Simulation::integrate_velocities() {
       for (int c = 0; c < 3; ++c)
         window_reaction_[c] += constants_.step * reaction_.total()[reaction_slot(particles_, j)][c];
     }
-    for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * guard_reaction_[c];
-    for (const auto& load : load_) {
-      for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
+    for (const auto* loads : {&guard_loads_, &load_}) {
+      for (const auto& load : *loads) {
+        for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
+      }
     }
   }
   if (scene_.output.audit && scene_.numerics.integrator == Integrator::leapfrog && !corrections_) {
@@ -412,6 +413,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   if (scene.numerics.wall_pressure == WallPressure::continuity) wall_density_.emplace(constants_);
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   if (constants_.central_force > 0) central_force_.emplace(constants_);
+  if (std::ranges::any_of(scene.walls, &Wall::forces)) structures_.emplace(scene);
   MPI_Comm_rank(comm, &rank_);
   if (link_ != nullptr) adopt_bodies();
   if (restart != nullptr) {

@@ -20,6 +20,7 @@
 #include "core/openings.hpp"
 #include "core/operators.hpp"
 #include "core/phases.hpp"
+#include "core/structures.hpp"
 #include "core/surface_loads.hpp"
 #include "core/turbulence.hpp"
 #include "core/wall_density.hpp"
@@ -89,6 +90,7 @@ class Simulation {
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
   [[nodiscard]] const Bodies* bodies() const { return bodies_ ? &*bodies_ : nullptr; }
   [[nodiscard]] const Openings* openings() const { return openings_ ? &*openings_ : nullptr; }
+  [[nodiscard]] Structures* structures() { return structures_ ? &*structures_ : nullptr; }
   [[nodiscard]] const Walls& walls() const { return walls_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const Extremes& extremes() const { return extremes_; }
@@ -180,6 +182,7 @@ class Simulation {
   std::optional<Openings> openings_;
   std::optional<LightBodies> light_bodies_;  ///< where the scene has any
   std::optional<CentralForce> central_force_;
+  std::optional<Structures> structures_;
   int steps_per_window_ = 1;
 
   std::vector<Record> start_;         ///< own particles at the start of a step of step_symplectic()
@@ -187,7 +190,7 @@ class Simulation {
   std::vector<Triple> point_acceleration_;
   Reactions reaction_;
   std::vector<coupling::Load> load_;         ///< this rank's part of the load on each body
-  Triple guard_reaction_{};                  ///< of the guard on all walls [N]
+  std::vector<coupling::Load> guard_loads_;  ///< of the guard on each wall
   std::vector<coupling::Load> window_load_;  ///< mean partial load over the window so far
   bool lists_valid_ = false;
   bool anywhere_ = true;  ///< the next migration follows a new decomposition

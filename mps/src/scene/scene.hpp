@@ -143,7 +143,8 @@ struct Wall {
   std::optional<Motion> motion;
   /// Whether the water slips along it where the fluid has a viscosity; unset: see docs/numerics.md.
   std::optional<bool> slip;
-  int line = 0;  ///< line of the scene file, for messages
+  bool forces = false;  ///< whether the water's force on it is recorded
+  int line = 0;         ///< line of the scene file, for messages
 };
 
 /// Particles at the start, one a row of a file.

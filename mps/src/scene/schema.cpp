@@ -291,6 +291,11 @@ Schema make_schema() {
             .meaning = "whether the water slips along it; `false` needs a viscosity; see docs/numerics.md",
             .default_text = "mirrored velocities"},
            [](Wall& x) -> Target { return &x.slip; }},
+          {{.name = "forces",
+            .meaning =
+                "whether force and torque of the water on it are recorded, in `structures/NAME.csv`, at the times "
+                "of the gauges"},
+           [](Wall& x) -> Target { return &x.forces; }},
       },
       {"motion"},
       true};
