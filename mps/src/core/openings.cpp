@@ -228,17 +228,20 @@ void Openings::set_inflow(std::size_t k, double measured, double passed_time) {
   state.speed = area > 0 ? opening.discharge_at(time_) / area : 0;
 }
 
-/// Long waves leave if velocity and level obey u - u0 = sqrt(g A/B) (A - A0)/A, where u0 is the velocity that belongs
-/// to the stated level. Where it is not stated either, it follows the velocity slowly enough for the reach to answer
+/// Long waves leave if nothing comes back along the other characteristic: u - 2 sqrt(g A/B) is that of the stated level
+/// and its velocity u0. Where it is not stated either, it follows the velocity slowly enough for the reach to answer
 /// without oscillation: only at the stated level it then comes to rest.
 void Openings::set_outflow(std::size_t k, double measured, double mean_speed, double passed_time) {
   const Opening& opening = scene_.openings[k];
   State& state = states_[k];
   const double l0 = constants_.particle_distance;
   state.level = measured;
-  const double stated = area_below(k, *opening.level), area = std::max(area_below(k, measured), 1e-3 * stated);
+  const double stated = area_below(k, *opening.level), area = area_below(k, measured);
   const double width = (area_below(k, *opening.level + 0.5 * l0) - area_below(k, *opening.level - 0.5 * l0)) / l0;
-  const double celerity = std::sqrt(std::abs(constants_.gravity[up_]) * stated / std::max(width, 1e-3 * l0));
+  const auto celerity_of = [&](double section) {
+    return std::sqrt(std::abs(constants_.gravity[up_]) * section / std::max(width, 1e-3 * l0));
+  };
+  const double celerity = celerity_of(stated);
   const bool discharge = opening.discharge || !opening.hydrograph.rows.empty();
   if (discharge) {
     state.slow = opening.discharge_at(time_) / stated;
@@ -249,7 +252,7 @@ void Openings::set_outflow(std::size_t k, double measured, double mean_speed, do
     state.slow += (1 - std::exp(-passed_time * celerity / (4 * reach))) * (state.speed - state.slow);
   }
   state.known = true;
-  state.speed = std::clamp(state.slow + celerity * (area - stated) / area, 0.0, 2 * celerity + state.slow);
+  state.speed = std::max(0.0, state.slow + 2 * (celerity_of(area) - celerity));
 }
 
 void Openings::exchange(std::vector<Traveller>& water, double time, const Decomposition& decomposition) {
