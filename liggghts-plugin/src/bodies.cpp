@@ -104,29 +104,11 @@ FixMultisphere* find_multisphere(LAMMPS* lammps, const std::string& where) {
   return found;
 }
 
-void create_bodies(LAMMPS* lammps, FixMultisphere* multisphere, const FloeList& list, int shape_offset, int group_bit,
-                   FixPropertyAtom* sphere_index) {
-  settle_new_fixes(lammps);
-  Multisphere& bodies = multisphere->data();
+namespace {
+
+/// After bodies and spheres came or went on any rank.
+void count_anew(LAMMPS* lammps, Multisphere& bodies) {
   Atom* atom = lammps->atom;
-  const int first_tag = std::max(bodies.tag_max_body(), 0) + 1;
-  const int atoms_before = atom->nlocal;
-  for (std::size_t b = 0; b < list.floes.size(); ++b) {
-    const Floe& floe = list.floes[b];
-    const FloeShape& description = list.shapes[floe.shape];
-    const int tag = first_tag + static_cast<int>(b);
-    if (holds(lammps->domain, floe.state.position.data())) {
-      add_body(bodies, description, floe, first_floe_type + shape_offset + floe.shape, tag);
-    }
-    add_spheres(lammps, multisphere, description, floe, tag, group_bit, sphere_index);
-  }
-  bigint created = atom->nlocal - atoms_before, created_all = 0, expected = 0;
-  MPI_Allreduce(&created, &created_all, 1, MPI_LMP_BIGINT, MPI_SUM, lammps->world);
-  for (const Floe& floe : list.floes) expected += static_cast<bigint>(list.shapes[floe.shape].spheres.size());
-  if (created_all != expected) {
-    throw coupling::RunError(coupling::ExitStatus::internal,
-                             fmt::format("created {} of {} covering spheres", created_all, expected));
-  }
   bigint local = atom->nlocal;
   MPI_Allreduce(&local, &atom->natoms, 1, MPI_LMP_BIGINT, MPI_SUM, lammps->world);
   if (atom->tag_enable) {
@@ -140,6 +122,58 @@ void create_bodies(LAMMPS* lammps, FixMultisphere* multisphere, const FloeList& 
   bodies.calc_nbody_all();
   bodies.generate_map();
   bodies.reset_forces(true);
+}
+
+}  // namespace
+
+int create_bodies(LAMMPS* lammps, FixMultisphere* multisphere, const std::vector<FloeShape>& shapes,
+                  const std::vector<Floe>& floes, int shape_offset, int group_bit, FixPropertyAtom* sphere_index,
+                  int last_tag) {
+  settle_new_fixes(lammps);
+  Multisphere& bodies = multisphere->data();
+  Atom* atom = lammps->atom;
+  const int first_tag = std::max(bodies.tag_max_body(), last_tag) + 1;
+  const int atoms_before = atom->nlocal;
+  for (std::size_t b = 0; b < floes.size(); ++b) {
+    const Floe& floe = floes[b];
+    const FloeShape& description = shapes[floe.shape];
+    const int tag = first_tag + static_cast<int>(b);
+    if (holds(lammps->domain, floe.state.position.data())) {
+      add_body(bodies, description, floe, first_floe_type + shape_offset + floe.shape, tag);
+    }
+    add_spheres(lammps, multisphere, description, floe, tag, group_bit, sphere_index);
+  }
+  bigint created = atom->nlocal - atoms_before, created_all = 0, expected = 0;
+  MPI_Allreduce(&created, &created_all, 1, MPI_LMP_BIGINT, MPI_SUM, lammps->world);
+  for (const Floe& floe : floes) expected += static_cast<bigint>(shapes[floe.shape].spheres.size());
+  if (created_all != expected) {
+    throw coupling::RunError(coupling::ExitStatus::internal,
+                             fmt::format("created {} of {} covering spheres", created_all, expected));
+  }
+  count_anew(lammps, bodies);
+  return first_tag + static_cast<int>(floes.size()) - 1;
+}
+
+void remove_bodies(LAMMPS* lammps, FixMultisphere* multisphere, const std::vector<coupling::BodyTag>& tags) {
+  Atom* atom = lammps->atom;
+  const auto leaves = [&](int tag) { return std::ranges::find(tags, tag) != tags.end(); };
+  for (int i = 0; i < atom->nlocal;) {
+    if (leaves(multisphere->belongs_to(i))) {
+      atom->avec->copy(atom->nlocal - 1, i, 1);
+      --atom->nlocal;
+    } else {
+      ++i;
+    }
+  }
+  Multisphere& bodies = multisphere->data();
+  for (int i = 0; i < bodies.n_body();) {
+    if (leaves(bodies.tag(i))) {
+      bodies.remove_body(i);
+    } else {
+      ++i;
+    }
+  }
+  count_anew(lammps, bodies);
 }
 
 SolidBody owned_body(LAMMPS* lammps, FixMultisphere* multisphere, int local) {

@@ -15,12 +15,17 @@ LAMMPS_NS::FixMultisphere* find_multisphere(LAMMPS_NS::LAMMPS* lammps, const std
 /// Number of the first multisphere body type that belongs to floe shapes: body type = first_floe_type + shape index.
 inline constexpr int first_floe_type = 1000;
 
-/// Creates the bodies of `list` with exactly the position, orientation, velocity, mass and inertia of the description.
-/// Collective. Body tags continue the existing ones in the order of the list, on any number of ranks. The spheres enter
-/// the group `group_bit`; their index in the covering is written to `sphere_index`. The list must have been checked:
-/// bodies inside the simulation box.
-void create_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere, const FloeList& list,
-                   int shape_offset, int group_bit, LAMMPS_NS::FixPropertyAtom* sphere_index);
+/// Creates bodies of `shapes` with exactly the position, orientation, velocity, mass and inertia of the description.
+/// Collective. Body tags go on from `last_tag`, or from the largest there is, in the order of the floes, on any number
+/// of ranks; returns the last one. The spheres enter the group `group_bit`; their index in the covering is written to
+/// `sphere_index`. The floes must have been checked: inside the simulation box.
+int create_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere,
+                  const std::vector<FloeShape>& shapes, const std::vector<Floe>& floes, int shape_offset, int group_bit,
+                  LAMMPS_NS::FixPropertyAtom* sphere_index, int last_tag = 0);
+
+/// Removes bodies and their spheres. Collective; `tags`: the same on every rank. A set-up of the run must follow.
+void remove_bodies(LAMMPS_NS::LAMMPS* lammps, LAMMPS_NS::FixMultisphere* multisphere,
+                   const std::vector<coupling::BodyTag>& tags);
 
 /// A body this rank owns, by its index in fix multisphere, with its present state; contact force and torque are zero.
 /// In a periodic direction the position is the unwrapped one. A body that no floe shape describes has shape -1.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "fix_floe_create.hpp"
+#include "floe_traffic.hpp"
 #include "solid_memory.hpp"
 #include "stock_access.hpp"
 
@@ -85,6 +86,12 @@ void keep_in_plane(FixMultisphere* multisphere) {
 class RollCall {
  public:
   explicit RollCall(MPI_Comm own) : own_(own) {}
+
+  /// What is to be expected at the next call.
+  void expect(const FloeTraffic::Change& change) {
+    all_ += change.entered - static_cast<std::int64_t>(change.left.size());
+    for (const coupling::BodyTag tag : change.left) last_.erase(tag);
+  }
 
   /// Warns of bodies that are gone since the last call, each by the rank that had it. Collective.
   void check(const std::vector<coupling::SolidBody>& bodies, double time) {
@@ -165,7 +172,7 @@ void recall_progress(SolidReport& report, const std::vector<double>& numbers) {
 }  // namespace
 
 void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants& participants, MPI_Comm own,
-                 const coupling::YieldHook& yield, SolidReport& report) {
+                 const std::string& folder, const coupling::YieldHook& yield, SolidReport& report) {
   if (fix->continues()) {
     fix->check_taken_up();
     recall_progress(report, fix->progress);
@@ -193,7 +200,14 @@ void run_coupled(LAMMPS* lammps, FixCoupleMps* fix, const coupling::Participants
   const bool parallel = link.fluid().scheme == coupling::Scheme::parallel;
   bool first = !fix->continues();
   RollCall roll_call(own);
+  FloeTraffic traffic(lammps, fix->multisphere(), folder, fix->continues(), report.simulated_seconds);
   while (true) {
+    if (const auto change = traffic.renew(report.simulated_seconds); change.any()) {
+      if (link.fluid().dimension == 2) keep_in_plane(fix->multisphere());
+      run.set_up();
+      outlook.emplace(lammps, fix->multisphere(), fix->rule());
+      roll_call.expect(change);
+    }
     const std::vector<coupling::SolidBody> bodies = fix->bodies();
     const Epoch epoch = link.plan(own_region(lammps->domain), bodies);
     roll_call.check(bodies, epoch.time);

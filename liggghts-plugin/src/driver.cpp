@@ -144,7 +144,7 @@ int run_liggghts(const coupling::Participants& participants, MPI_Comm own, const
   MPI_Comm_size(own, &report.ranks);
   if (fluid_present) {
     try {
-      run_coupled(lammps, couple, participants, own, yield, report);
+      run_coupled(lammps, couple, participants, own, output_folder(arguments), yield, report);
     } catch (const RunError& error) {
       throw RunError(error.status(), fmt::format("{}: {}", script, error.what()));
     }

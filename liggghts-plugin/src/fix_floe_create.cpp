@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -21,6 +22,7 @@ FixFloeCreate::FixFloeCreate(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
   if (!atom->radius_flag || !atom->rmass_flag || !atom->density_flag) {
     throw InputError(where_ + ": needs 'atom_style granular'");
   }
+  schedule_ = FloeSchedule(list_);
   if (!list_.verbose || comm->me != 0) return;
   for (const FloeShape& shape : list_.shapes) {
     const std::string report = covering_report(shape);
@@ -31,7 +33,7 @@ FixFloeCreate::FixFloeCreate(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
 }
 
 void FixFloeCreate::post_create() {
-  FixMultisphere* multisphere = find_multisphere(lmp, where_);
+  FixMultisphere* const multisphere = multisphere_ = find_multisphere(lmp, where_);
   const std::array<const char*, 9> property = {
       "floeSphere", "all", "property/atom", "floeSphere", "scalar", "yes", "yes", "no", "0."};
   sphere_index_ = static_cast<FixPropertyAtom*>(modify->find_fix_id("floeSphere"));
@@ -41,13 +43,20 @@ void FixFloeCreate::post_create() {
   if (restored_) return;
   std::vector<PlacedFloe> placed;
   const auto shapes = floe_shapes(lmp);
-  const int shape_offset = static_cast<int>(shapes.size() - list_.shapes.size());  // this fix is the last one
+  const int shape_offset = first_shape();
   for (const auto& body : gather_bodies(lmp, multisphere)) {
     if (body.shape < 0 || body.shape >= shape_offset) continue;
     placed.push_back({shapes[body.shape], body.state, fmt::format("the existing body with tag {}", body.tag)});
   }
   const std::size_t first_new = placed.size();
-  for (const Floe& floe : list_.floes) placed.push_back({&list_.shapes[floe.shape], floe.state, floe.origin});
+  std::vector<Floe> at_once;
+  std::vector<PlacedFloe> all;
+  for (const Floe& floe : list_.floes) {
+    all.push_back({&list_.shapes[floe.shape], floe.state, floe.origin});
+    if (floe.enters) continue;
+    at_once.push_back(floe);
+    placed.push_back(all.back());
+  }
   coupling::Box box;
   std::array<bool, 3> periodic{};
   for (int k = 0; k < 3; ++k) {
@@ -55,10 +64,45 @@ void FixFloeCreate::post_create() {
     box.upper[k] = domain->boxhi[k];
     periodic[k] = domain->periodicity[k] != 0;
   }
-  check_inside(where_, placed, box, periodic);
+  check_inside(where_, all, box, periodic);
   check_overlaps(where_, placed, first_new);
+  if (!at_once.empty()) create_bodies(lmp, multisphere, list_.shapes, at_once, shape_offset, groupbit, sphere_index_);
+}
 
-  create_bodies(lmp, multisphere, list_, shape_offset, groupbit, sphere_index_);
+double FixFloeCreate::max_rad(int type) {
+  double radius = 0;
+  for (const FloeShape& shape : list_.shapes) {
+    if (shape.atom_type == type) radius = std::max(radius, shape.spheres.front().radius);
+  }
+  return radius;
+}
+
+double FixFloeCreate::min_rad(int type) {
+  double radius = max_rad(type);
+  for (const FloeShape& shape : list_.shapes) {
+    if (shape.atom_type == type) radius = std::min(radius, shape.spheres.front().radius);
+  }
+  return radius;
+}
+
+double FixFloeCreate::extend_cut_ghost() {
+  double reach = 0;
+  for (const FloeShape& shape : list_.shapes) reach = std::max(reach, shape.shape.bounding_radius());
+  return 2 * reach;
+}
+
+int FixFloeCreate::add(const std::vector<Floe>& floes, int last_tag) {
+  return create_bodies(lmp, multisphere_, list_.shapes, floes, first_shape(), groupbit, sphere_index_, last_tag);
+}
+
+int FixFloeCreate::first_shape() const {
+  int first = 0;
+  for (int i = 0; i < modify->nfix; ++i) {
+    const auto* fix = dynamic_cast<const FixFloeCreate*>(modify->fix[i]);
+    if (fix == this) break;
+    if (fix) first += static_cast<int>(fix->list().shapes.size());
+  }
+  return first;
 }
 
 namespace {
@@ -81,22 +125,31 @@ void FixFloeCreate::write_restart(FILE* file) {
   if (comm->me != 0) return;
   std::vector<double> numbers = description(list_);
   numbers.insert(numbers.begin(), static_cast<double>(numbers.size()));
+  for (const std::vector<double>& part : {schedule_.save(), traffic}) {
+    numbers.push_back(static_cast<double>(part.size()));
+    numbers.insert(numbers.end(), part.begin(), part.end());
+  }
   const int bytes = static_cast<int>(numbers.size() * sizeof(double));
   fwrite(&bytes, sizeof bytes, 1, file);
   fwrite(numbers.data(), sizeof(double), numbers.size(), file);
 }
 
 void FixFloeCreate::restart(char* buffer) {
-  std::vector<double> numbers(1);
-  std::memcpy(numbers.data(), buffer, sizeof(double));
-  const auto count = static_cast<std::size_t>(numbers[0]);
-  numbers.resize(count);
-  std::memcpy(numbers.data(), buffer + sizeof(double), count * sizeof(double));
-  if (numbers != description(list_)) {
+  const auto next_part = [&] {
+    double count = 0;
+    std::memcpy(&count, buffer, sizeof(double));
+    std::vector<double> numbers(static_cast<std::size_t>(count));
+    std::memcpy(numbers.data(), buffer + sizeof(double), numbers.size() * sizeof(double));
+    buffer += (1 + numbers.size()) * sizeof(double);
+    return numbers;
+  };
+  if (next_part() != description(list_)) {
     throw InputError(where_ +
                      ": the bodies of the restart file have other shapes; give the fix the same shapes, in the "
                      "same order, or another name to create further bodies");
   }
+  schedule_.restore(next_part());
+  traffic = next_part();
   restored_ = true;
 }
 

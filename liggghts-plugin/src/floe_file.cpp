@@ -27,8 +27,10 @@ const std::vector<std::vector<Column>> groups = {
     {{"vx", "m/s"}, {"vy", "m/s"}, {"vz", "m/s"}},
     {{"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}},
     {{"lx", "m"}, {"ly", "m"}, {"lz", "m"}},
+    {{"outline", "m"}, {"thickness", "m"}},
     {{"density", "kg/m3"}},
     {{"mass", "kg"}},
+    {{"t", "s"}},
 };
 
 std::string trimmed(const std::string& text) {
@@ -89,10 +91,32 @@ std::map<std::string, std::size_t> read_header(const std::string& where, const s
   if (place.contains("density") && place.contains("mass")) {
     throw InputError(where + ": give either the column 'density' or the column 'mass', not both");
   }
-  if ((place.contains("density") || place.contains("mass")) && !place.contains("lx")) {
-    throw InputError(where + ": the columns 'density' and 'mass' need the columns lx, ly, lz");
+  if (place.contains("lx") && place.contains("outline")) {
+    throw InputError(where + ": give either the columns lx, ly, lz or the columns outline, thickness, not both");
+  }
+  if ((place.contains("density") || place.contains("mass")) && !place.contains("lx") && !place.contains("outline")) {
+    throw InputError(where + ": the columns 'density' and 'mass' need the columns lx, ly, lz or outline, thickness");
   }
   return place;
+}
+
+std::vector<Eigen::Vector2d> read_outline(const std::string& where, const std::string& cell) {
+  std::istringstream stream(cell);
+  std::vector<double> numbers;
+  for (std::string word; stream >> word;) {
+    double number = 0;
+    if (!parse_number(word, number)) {
+      throw InputError(fmt::format("{}: '{}' in column 'outline' is not a number", where, word));
+    }
+    numbers.push_back(number);
+  }
+  if (numbers.size() % 2 != 0 || numbers.size() < 6) {
+    throw InputError(
+        fmt::format("{}: the outline has {} numbers; allowed: x and y of at least 3 corners", where, numbers.size()));
+  }
+  std::vector<Eigen::Vector2d> corners;
+  for (std::size_t k = 0; k < numbers.size(); k += 2) corners.emplace_back(numbers[k], numbers[k + 1]);
+  return corners;
 }
 
 }  // namespace
@@ -144,9 +168,13 @@ std::vector<FloeRow> read_floe_file(const std::string& path) {
     if (place.contains("lx")) {
       row.own_size = true;
       row.size = Vec3(positive("lx"), positive("ly"), positive("lz"));
-      if (place.contains("density")) row.density = positive("density");
-      if (place.contains("mass")) row.mass = positive("mass");
+    } else if (place.contains("outline")) {
+      row.outline = read_outline(where, cells[place.at("outline")]);
+      row.thickness = positive("thickness");
     }
+    if (place.contains("density")) row.density = positive("density");
+    if (place.contains("mass")) row.mass = positive("mass");
+    if (place.contains("t")) row.enters = value("t");
     rows.push_back(row);
   }
   if (rows.empty()) throw InputError(fmt::format("{}: no bodies", path));

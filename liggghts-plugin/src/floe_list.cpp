@@ -24,6 +24,8 @@ class Reader {
 
   FloeList read() {
     while (!words_.empty()) keyword(words_.word("a keyword"));
+    if (list_.repeat > 0 && std::ranges::none_of(list_.floes, [](const Floe& floe) { return floe.enters.has_value(); }))
+      words_.fail("'repeat' is for bodies of a file with a column t, and there is none");
     if (list_.floes.empty()) words_.fail("no bodies: give 'position X Y Z' for each body, or 'file NAME'");
     return std::move(list_);
   }
@@ -67,13 +69,16 @@ class Reader {
       body(name).state.angular_velocity = words_.vector("omega [rad/s]");
     } else if (name == "file") {
       read_file(words_.word("the name of the file of bodies"));
+    } else if (name == "repeat") {
+      list_.repeat = words_.positive_number("repeat (the time [s] after which bodies appear again)");
     } else if (name == "verbose") {
       const std::string answer = words_.word("'yes' or 'no' after 'verbose'");
       if (answer != "yes" && answer != "no") words_.fail_unknown("word after 'verbose'", answer, {"yes", "no"});
       list_.verbose = answer == "yes";
     } else {
       std::vector<std::string> allowed = ShapeWords::keywords();
-      allowed.insert(allowed.end(), {"position", "quaternion", "rotate", "velocity", "omega", "file", "verbose"});
+      allowed.insert(allowed.end(),
+                     {"position", "quaternion", "rotate", "velocity", "omega", "file", "repeat", "verbose"});
       words_.fail_unknown("keyword", name, allowed);
     }
   }
@@ -92,27 +97,39 @@ class Reader {
     return list_.floes.back();
   }
 
+  /// The box or prism that a row of a file describes, covered as the present shape.
+  FloeShape own_shape(const FloeRow& row) {
+    FloeShape own = shape_.so_far();
+    const double density = row.density > 0 ? row.density : own.shape.density;
+    if (row.own_size) {
+      own.shape = {};
+      own.shape.kind = ShapeKind::box;
+      own.shape.size = row.size;
+    } else {
+      try {
+        own.shape = coupling::make_prism(row.outline, row.thickness, 0);
+      } catch (const coupling::InputError& error) {
+        words_.fail(fmt::format("{}: {}", row.origin, error.what()));
+      }
+    }
+    own.shape.density = density;
+    if (row.mass > 0) {
+      own.shape.density = 1;
+      own.shape.density = row.mass / own.shape.mass_properties().mass;
+    }
+    if (!(own.shape.density > 0)) words_.fail(fmt::format("{}: no density or mass, here or before 'file'", row.origin));
+    if (!(own.spacing > 0) && own.count == 0) words_.fail("give 'shape' and 'spacing' or 'spheres' before 'file'");
+    return own;
+  }
+
   void read_file(const std::string& path) {
     for (const FloeRow& row : read_floe_file(path)) {
+      const bool own = row.own_size || !row.outline.empty();
       Floe floe;
-      if (row.own_size) {
-        FloeShape own = shape_.so_far();
-        const double density = own.shape.density;
-        own.shape = {};
-        own.shape.kind = ShapeKind::box;
-        own.shape.size = row.size;
-        own.shape.density = row.mass > 0 ? row.mass / row.size.prod() : row.density > 0 ? row.density : density;
-        if (!(own.shape.density > 0))
-          words_.fail(fmt::format("{}: no density or mass, here or before 'file'", row.origin));
-        if (!(own.spacing > 0) && own.count == 0) words_.fail("give 'shape' and 'spacing' or 'spheres' before 'file'");
-        floe.shape = list_.add_shape(own);
-      } else {
-        floe.shape = registered_shape("file");
-      }
+      floe.shape = own ? list_.add_shape(own_shape(row)) : registered_shape("file");
       floe.state = row.state;
-      if (!row.own_size) {
-        floe.state.orientation = (row.state.orientation * shape_.so_far().shape.given_axes).normalized();
-      }
+      floe.state.orientation = (row.state.orientation * list_.shapes[floe.shape].shape.given_axes).normalized();
+      floe.enters = row.enters;
       floe.origin = row.origin;
       list_.floes.push_back(floe);
     }

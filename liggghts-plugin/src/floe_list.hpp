@@ -1,6 +1,7 @@
 // The bodies that one `fix floe/create` command describes: shapes, their covering spheres, states. No LIGGGHTS here.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,13 +13,15 @@ namespace embacle::liggghts {
 struct Floe {
   int shape = 0;  ///< index into FloeList::shapes
   coupling::State state;
-  std::string origin;  ///< how messages name it: "body 3 of fix floes" or "floes.csv:7"
+  std::optional<double> enters;  ///< time [s] of a coupled run at which it appears; none: at once
+  std::string origin;            ///< how messages name it: "body 3 of fix floes" or "floes.csv:7"
 };
 
 struct FloeList {
   std::vector<FloeShape> shapes;
   std::vector<Floe> floes;
   bool verbose = false;  ///< the coverings are to be reported
+  double repeat = 0;     ///< those that appear later do so again after this time [s]; 0: once
 
   /// The index of an equal shape, or of `shape` added (with covering spheres and a name).
   int add_shape(FloeShape shape);
@@ -28,6 +31,7 @@ struct FloeList {
 ///   position X Y Z            starts a body of the present shape; the next four describe it, all optional
 ///   quaternion W X Y Z | rotate AX AY AZ DEGREES | velocity VX VY VZ | omega WX WY WZ
 ///   file NAME                 bodies from a CSV file (see floe_file.hpp)
+///   repeat T                  its bodies that appear later do so again every T [s]
 ///   verbose yes|no            whether each covering is reported
 /// Orientations are of the frame in which a shape was given; the list holds those of the principal axes.
 /// Throws InputError.

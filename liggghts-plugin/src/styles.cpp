@@ -3,6 +3,7 @@
 #include "contact/floe_styles.hpp"
 #include "fix_couple_mps.hpp"
 #include "fix_floe_create.hpp"
+#include "fix_floe_outlet.hpp"
 #include "fix_floe_record.hpp"
 #include "fix_floe_tether.hpp"
 #include "laws/law_styles.hpp"
@@ -21,6 +22,7 @@ LAMMPS_NS::Fix* make(LAMMPS_NS::LAMMPS* lammps, int argc, char** argv) {
 
 void register_styles(LAMMPS_NS::LAMMPS* lammps) {
   register_fix_style(lammps, "floe/create", &make<FixFloeCreate>);
+  register_fix_style(lammps, "floe/outlet", &make<FixFloeOutlet>);
   register_fix_style(lammps, "floe/record", &make<FixFloeRecord>);
   register_fix_style(lammps, "floe/tether", &make<FixFloeTether>);
   register_fix_style(lammps, "couple/mps", &make<FixCoupleMps>);

@@ -110,7 +110,7 @@ class Coupled : public testing::Test {
     solids.prepare(young);
     solids.run(lines);
     SolidReport report;
-    run_coupled(solids.lammps(), find_couple_mps(solids.lammps()), participants_, own_, {}, report);
+    run_coupled(solids.lammps(), find_couple_mps(solids.lammps()), participants_, own_, "", {}, report);
     after(solids);
     return report;
   }

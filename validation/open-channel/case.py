@@ -93,7 +93,7 @@ def sill(context):
     # name: discharge [m2/s], height of the sill [m], energy [m], fast before, fast behind
     flows = {"subcritical": (0.03, SILL_HEIGHT, 0.15, False, False),
              "transcritical": (critical_q, SILL_HEIGHT, through, False, True),
-             "supercritical": (0.12, 0.5 * SILL_HEIGHT, 0.1 + 0.12**2 / (2 * GRAVITY * 0.01), True, True)}
+             "supercritical": (0.2, 0.5 * SILL_HEIGHT, 0.1 + 0.2**2 / (2 * GRAVITY * 0.01), True, True)}
     for layers, wanted in SILLS[context.effort].items():
         for name, (q, height, energy, fast, faster) in flows.items():
             if wanted and name not in wanted:

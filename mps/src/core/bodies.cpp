@@ -234,6 +234,22 @@ Vec3 Bodies::outward_normal(std::size_t body, const Vec3& place) const {
   return state.orientation * slope.normalized();
 }
 
+void Bodies::near(const Particles& particles, const NeighbourRange& range, std::vector<std::size_t>& found) const {
+  constexpr std::size_t few = 8;
+  found.clear();
+  if (count() <= few) {
+    for (std::size_t b = 0; b < count(); ++b) found.push_back(b);
+    return;
+  }
+  for (auto k = range.middle; k < range.end; ++k) {
+    const Identity& identity = particles.identity[*k];
+    if (identity.owner < first_owner_) continue;
+    const std::size_t b = body_of(identity);
+    if (std::ranges::find(found, b) == found.end()) found.push_back(b);
+  }
+  std::ranges::sort(found);
+}
+
 double Bodies::penetration(const double* x) const {
   double deepest = -constants_.support;
   for (std::size_t b = 0; b < count(); ++b) deepest = std::max(deepest, depth_in(b, Vec3(x[0], x[1], x[2])));

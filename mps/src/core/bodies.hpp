@@ -60,6 +60,9 @@ class Bodies {
   [[nodiscard]] coupling::Vec3 outward_normal(std::size_t body, const coupling::Vec3& place) const;
   /// Deepest position [m] of a place below the surface of any body; negative if outside all.
   [[nodiscard]] double penetration(const double* x) const;
+  /// The bodies, ascending, that a water particle can be near to: of which it has points among its neighbours, or all
+  /// if they are few. Not those of which it is farther inside than their points lie.
+  void near(const Particles& particles, const NeighbourRange& range, std::vector<std::size_t>& found) const;
   /// Surface pressures of the own points of each body (for those who subscribe).
   [[nodiscard]] std::vector<coupling::BodyPressures> surface_pressures(const Particles& particles) const;
 

@@ -104,6 +104,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     pose[w] = simulation.walls().course(static_cast<int>(w)).pose(simulation.time());
   }
   double sums[16] = {};
+  std::vector<std::size_t> near;
   double deepest[2] = {0, 0};  // in a body, beyond a tank
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& record = particles.record[i];
@@ -131,7 +132,11 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     sums[9] += outside > 0 ? 1 : 0;
     deepest[1] = std::max(deepest[1], outside);
     if (simulation.bodies() != nullptr) {
-      const double depth = simulation.bodies()->penetration(record.x);
+      const Bodies& bodies = *simulation.bodies();
+      double depth = 0;
+      bodies.near(particles, simulation.neighbours().of_water(i), near);
+      for (const std::size_t b : near)
+        depth = std::max(depth, bodies.depth_in(b, coupling::Vec3(record.x[0], record.x[1], record.x[2])));
       sums[10] += depth > 0 ? 1 : 0;
       deepest[0] = std::max(deepest[0], depth);
     }

@@ -94,6 +94,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
   const int first_body = walls_.count();
   loads_.reset(first_body + (bodies != nullptr ? bodies->count() : 0));
   std::vector<std::vector<Contact>> contacts_of_thread(threads());
+  std::vector<std::vector<std::size_t>> near_of_thread(threads());
   for_each(particles.water, [&](std::size_t i, int thread) {
     const NeighbourRange range = neighbours.of_water(i);
     if (range.middle == range.end) return;  // no solid near
@@ -106,7 +107,9 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       contacts.push_back({solid, normal, distance, approach, push(distance, approach)});
     };
     const Vec3 place(record.x[0], record.x[1], record.x[2]);
-    for (std::size_t b = 0; bodies != nullptr && b < bodies->count(); ++b) {
+    std::vector<std::size_t>& near = near_of_thread[thread];
+    if (bodies != nullptr) bodies->near(particles, range, near);
+    for (const std::size_t b : near) {
       const double distance = -bodies->depth_in(b, place);
       if (distance >= distance_) continue;
       const Vec3 normal = bodies->outward_normal(b, place);
@@ -157,13 +160,13 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       const BoxRegion& region = scene_.walls[w].region;
       const Vec3d zero = strides[w].after.zero({record.x[0], record.x[1], record.x[2]});
       Vec3d local{}, normal{};
-      bool near = true;
+      bool close = true;
       for (int c = 0; c < scene_.dimension; ++c) {
         const double middle = 0.5 * (region.lower[c] + region.upper[c]);
         local[c] = middle + constants_.periodic.nearest(c, zero[c] - middle);
-        near = near && local[c] > region.lower[c] - distance_ && local[c] < region.upper[c] + distance_;
+        close = close && local[c] > region.lower[c] - distance_ && local[c] < region.upper[c] + distance_;
       }
-      if (!near) continue;
+      if (!close) continue;
       const double distance = walls_.solid(w)->distance(local.data(), &normal);
       if (distance >= distance_) continue;
       add(w, strides[w].after.turn(normal), distance, strides[w].velocity_of(zero));

@@ -230,7 +230,7 @@ void Openings::set_inflow(std::size_t k, double measured, double passed_time) {
 
 /// Long waves leave if nothing comes back along the other characteristic: u - 2 sqrt(g A/B) is that of the stated level
 /// and its velocity u0. Where it is not stated either, it follows the velocity slowly enough for the reach to answer
-/// without oscillation: only at the stated level it then comes to rest.
+/// without oscillation: only at the stated level it then comes to rest. Water faster than its waves leaves as it comes.
 void Openings::set_outflow(std::size_t k, double measured, double mean_speed, double passed_time) {
   const Opening& opening = scene_.openings[k];
   State& state = states_[k];
@@ -252,6 +252,10 @@ void Openings::set_outflow(std::size_t k, double measured, double mean_speed, do
     state.slow += (1 - std::exp(-passed_time * celerity / (4 * reach))) * (state.speed - state.slow);
   }
   state.known = true;
+  if (mean_speed > celerity_of(area)) {  // faster than waves: what is behind the zone cannot be felt before it
+    state.slow = state.speed = mean_speed;
+    return;
+  }
   state.speed = std::max(0.0, state.slow + 2 * (celerity_of(area) - celerity));
 }
 
