@@ -162,7 +162,7 @@ class OtherRanks(CoupledRestart):
         self.compare("0.0311")
 
     def test_blocks_apart_140_windows_later(self):
-        shutil.copy(support.SMALL_TANK / "in.blocks", self.scene / "in.blocks")
+        shutil.copy(support.SCENES / "small-tank" / "in.blocks", self.scene / "in.blocks")
         self.compare("0.08")
 
 

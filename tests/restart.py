@@ -318,7 +318,7 @@ class Refused(RestartTest):
 
     def test_a_scene_with_solids(self):
         self.assertEqual(self.run_scene("--end-time", "0.02").status, 0)
-        self.assert_refused(mps(support.SMALL_TANK / "scene.toml", "--restart", self.out), 2,
+        self.assert_refused(mps(support.SCENES / "small-tank" / "scene.toml", "--restart", self.out), 2,
                             r"title|numerics|coupling\.script")
 
 

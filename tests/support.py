@@ -14,7 +14,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 FRONT_DOOR = SOURCE / "embacle"
-SMALL_TANK = SOURCE / "tests/scenes/small-tank"
+SCENES = SOURCE / "tests/scenes"
 BUILD = pathlib.Path(os.environ.get("EMBACLE_BUILD", SOURCE / "build"))
 END_LIMIT = 10  # [s] in which all ranks must have ended after a failure
 # What a library prints when a program dies instead of explaining itself.
@@ -64,14 +64,16 @@ def embacle(*arguments, limit=120):
 
 
 class SceneTest(unittest.TestCase):
-    """A test on its own copy of the small scene in `self.scene`, with results in `self.out`."""
+    """A test on its own copy of a small scene in `self.scene`, with results in `self.out`."""
+
+    SCENE = "small-tank"
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="embacle-test-"))
         self.addCleanup(shutil.rmtree, self.folder, True)
         self.scene = self.folder / "scene"
         self.out = self.folder / "out"
-        shutil.copytree(SMALL_TANK, self.scene)
+        shutil.copytree(SCENES / self.SCENE, self.scene)
 
     def edit(self, name, old, new):
         """Replaces text in a file of the scene; the text must be there."""

@@ -40,6 +40,85 @@ double box_overlap(const PlacedFloe& a, const PlacedFloe& b) {
   return depth;
 }
 
+/// Corners, face normals and edge directions of a prism or a solid of triangles, or of a box, in the global frame.
+struct Facets {
+  std::vector<Vec3> corners, normals, edges;
+
+  explicit Facets(const PlacedFloe& floe) {
+    const auto add_direction = [](std::vector<Vec3>& directions, Vec3 d) {
+      const double length = d.norm();
+      if (length == 0) return;
+      d /= length;
+      if (std::ranges::none_of(directions, [&](const Vec3& other) { return std::abs(other.dot(d)) > 1 - 1e-12; }))
+        directions.push_back(d);
+    };
+    const auto& shape = floe.shape->shape;
+    const Mat3 axes = floe.state.orientation.toRotationMatrix();
+    if (!shape.polyhedron) {
+      for (int k = 0; k < 8; ++k) {
+        const Vec3 sign(k & 1 ? 0.5 : -0.5, k & 2 ? 0.5 : -0.5, k & 4 ? 0.5 : -0.5);
+        corners.emplace_back(floe.state.position + axes * sign.cwiseProduct(shape.size));
+      }
+      for (int k = 0; k < 3; ++k) normals.emplace_back(axes.col(k));
+      edges = normals;
+      return;
+    }
+    for (const coupling::Triangle& triangle : shape.polyhedron->surface.triangles()) {
+      for (int k = 0; k < 3; ++k) {
+        corners.emplace_back(floe.state.position + axes * triangle[k]);
+        add_direction(edges, axes * (triangle[(k + 1) % 3] - triangle[k]));
+      }
+      add_direction(normals, axes * (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]));
+    }
+  }
+};
+
+/// Least overlap along the axes that can separate two convex bodies; of others, of their hulls.
+double hull_overlap(const PlacedFloe& one, const PlacedFloe& other) {
+  const Facets a(one), b(other);
+  double depth = std::numeric_limits<double>::infinity();
+  const auto project = [&](const Vec3& axis) {
+    const double length = axis.norm();
+    if (length < 1e-9) return;
+    double low[2], high[2];
+    int side = 0;
+    for (const auto* corners : {&a.corners, &b.corners}) {
+      low[side] = std::numeric_limits<double>::infinity();
+      high[side] = -low[side];
+      for (const Vec3& corner : *corners) {
+        low[side] = std::min(low[side], axis.dot(corner));
+        high[side] = std::max(high[side], axis.dot(corner));
+      }
+      ++side;
+    }
+    depth = std::min(depth, std::min(high[0] - low[1], high[1] - low[0]) / length);
+  };
+  for (const auto* normals : {&a.normals, &b.normals}) {
+    for (const Vec3& normal : *normals) project(normal);
+  }
+  for (std::size_t i = 0; i < a.edges.size() && depth > 0; ++i) {
+    for (const Vec3& edge : b.edges) project(a.edges[i].cross(edge));
+  }
+  return depth;
+}
+
+/// Whether a shape has flat faces and is known to be convex.
+bool convex(const coupling::Shape& shape) {
+  if (shape.kind == ShapeKind::box) return true;
+  if (shape.kind != ShapeKind::prism) return false;
+  const auto& corners = shape.polyhedron->polygon;
+  bool left = false, right = false;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Eigen::Vector2d before = corners[(k + 1) % corners.size()] - corners[k];
+    const Eigen::Vector2d after = corners[(k + 2) % corners.size()] - corners[(k + 1) % corners.size()];
+    const double turn = before.x() * after.y() - before.y() * after.x();
+    (turn > 0 ? left : right) = true;
+  }
+  return left != right;
+}
+
+bool flat(const coupling::Shape& shape) { return shape.kind == ShapeKind::box || shape.polyhedron; }
+
 double sphere_overlap(const PlacedFloe& a, const PlacedFloe& b) {
   double depth = -std::numeric_limits<double>::infinity();
   for (const auto& one : a.shape->spheres) {
@@ -59,7 +138,10 @@ double overlap_depth(const PlacedFloe& a, const PlacedFloe& b) {
   const double clearance = (a.state.position - b.state.position).norm() - reach;
   if (clearance > 0) return -clearance;
   const bool boxes = a.shape->shape.kind == ShapeKind::box && b.shape->shape.kind == ShapeKind::box;
-  return boxes ? box_overlap(a, b) : sphere_overlap(a, b);
+  if (boxes) return box_overlap(a, b);
+  if (!flat(a.shape->shape) || !flat(b.shape->shape)) return sphere_overlap(a, b);
+  const double depth = hull_overlap(a, b);
+  return depth <= 0 || (convex(a.shape->shape) && convex(b.shape->shape)) ? depth : sphere_overlap(a, b);
 }
 
 void check_overlaps(const std::string& where, const std::vector<PlacedFloe>& floes, std::size_t first_new) {

@@ -17,8 +17,9 @@ struct PlacedFloe {
   std::string origin;
 };
 
-/// Depth [m] by which two bodies overlap, negative or zero if they do not. Two boxes: by the separating axes of the
-/// exact boxes (Gottschalk et al. 1996, doi:10.1145/237170.237244); otherwise by their covering spheres.
+/// Depth [m] by which two bodies overlap, negative or zero if they do not. Boxes and convex prisms: by the separating
+/// axes of the exact shapes (Gottschalk et al. 1996, doi:10.1145/237170.237244); others by their covering spheres,
+/// unless their hulls are apart.
 double overlap_depth(const PlacedFloe& a, const PlacedFloe& b);
 
 /// Throws InputError naming the two bodies with the deepest overlap, and how many pairs overlap, if any do by more than

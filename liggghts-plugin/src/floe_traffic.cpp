@@ -23,7 +23,7 @@ void drop_rows_after(const std::filesystem::path& path, double time) {
   while (std::getline(in, line)) {
     char* end = nullptr;
     const double at = std::strtod(line.c_str(), &end);
-    if (end == line.c_str() || at <= time) kept += line + "\n";
+    if (end == line.c_str() || at <= time + 1e-8 * (1 + time)) kept += line + "\n";
   }
   in.close();
   std::ofstream(path) << kept;
