@@ -32,13 +32,15 @@ FixFloeRecord::FixFloeRecord(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
       motions_.name = words.word("the name of a file after 'file'");
     } else if (name == "energies") {
       energies_.name = words.word("the name of a file after 'energies'");
+    } else if (name == "walls") {
+      walls_.name = words.word("the name of a file after 'walls'");
     } else {
-      words.fail_unknown("keyword", name, {"every", "file", "energies"});
+      words.fail_unknown("keyword", name, {"every", "file", "energies", "walls"});
     }
   }
-  if (motions_.name.empty() && energies_.name.empty()) words.fail("needs 'file NAME' or 'energies NAME'");
-  motions_.wanted = !motions_.name.empty();
-  energies_.wanted = !energies_.name.empty();
+  if (motions_.name.empty() && energies_.name.empty() && walls_.name.empty())
+    words.fail("needs 'file NAME', 'energies NAME' or 'walls NAME'");
+  for (Table* table : {&motions_, &energies_, &walls_}) table->wanted = !table->name.empty();
   restart_global = 1;
 }
 
@@ -69,7 +71,7 @@ void FixFloeRecord::close_line(const Table& table) const {
 }
 
 FixFloeRecord::~FixFloeRecord() {
-  for (const Table* table : {&motions_, &energies_}) {
+  for (const Table* table : {&motions_, &energies_, &walls_}) {
     if (table->file) std::fclose(table->file);
   }
 }
@@ -88,18 +90,20 @@ void FixFloeRecord::write_restart(std::FILE* file) {
     std::fseek(table.file, 0, SEEK_END);
     return static_cast<double>(std::ftell(table.file));
   };
-  const std::array<double, 3> record = {static_cast<double>(written_), length(motions_), length(energies_)};
+  const std::array<double, 4> record = {static_cast<double>(written_), length(motions_), length(energies_),
+                                        length(walls_)};
   const int bytes = sizeof record;
   std::fwrite(&bytes, sizeof bytes, 1, file);
   std::fwrite(record.data(), sizeof(double), record.size(), file);
 }
 
 void FixFloeRecord::restart(char* buffer) {
-  std::array<double, 3> record{};
+  std::array<double, 4> record{};
   std::memcpy(record.data(), buffer, sizeof record);
   written_ = static_cast<bigint>(record[0]);
   motions_.keep = static_cast<long>(record[1]);
   energies_.keep = static_cast<long>(record[2]);
+  walls_.keep = static_cast<long>(record[3]);
 }
 
 void FixFloeRecord::setup(int /*vflag*/) { write(); }
@@ -111,6 +115,32 @@ void FixFloeRecord::write() {
   written_ = update->ntimestep;
   if (motions_.wanted) write_bodies();
   if (energies_.wanted) write_energies();
+  if (walls_.wanted) write_walls();
+}
+
+/// The walls are known when a run is set up, so the head of the table is written with its first line.
+void FixFloeRecord::write_walls() {
+  FloeContacts* contacts = floe_contacts(lmp);
+  if (!contacts) {
+    throw coupling::InputError(where_ + ": walls are those of 'pair_style gran model floe', which the script lacks");
+  }
+  const auto loads = contacts->take_wall_loads();
+  if (comm->me != 0) return;
+  if (!walls_.file) {
+    std::string head = "t [s]";
+    for (const std::string& name : contacts->wall_names()) {
+      for (const char* part : {"fx [N]", "fy [N]", "fz [N]", "tx [N m]", "ty [N m]", "tz [N m]"})
+        head += fmt::format(",{} {}", name, part);
+    }
+    open(walls_, (head + "\n").c_str());
+  }
+  fmt::print(walls_.file, "{:.12g}", update->get_cur_time());
+  for (const coupling::Load& load : loads) {
+    for (const Vec3& part : {load.force, load.torque})
+      fmt::print(walls_.file, ",{:.9g},{:.9g},{:.9g}", part[0], part[1], part[2]);
+  }
+  fmt::print(walls_.file, "\n");
+  close_line(walls_);
 }
 
 void FixFloeRecord::write_energies() {

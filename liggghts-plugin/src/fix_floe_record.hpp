@@ -35,9 +35,10 @@ class FixFloeRecord : public LAMMPS_NS::Fix {
   void write();
   void write_bodies();
   void write_energies();
+  void write_walls();
 
   std::string where_;
-  Table motions_, energies_;
+  Table motions_, energies_, walls_;
   LAMMPS_NS::FixMultisphere* multisphere_ = nullptr;
   LAMMPS_NS::bigint written_ = -1;
 };

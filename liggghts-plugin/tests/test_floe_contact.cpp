@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
 #include <numbers>
+#include <sstream>
 
 #include "contact/floe_contacts.hpp"
 #include "contact/floe_styles.hpp"
@@ -78,6 +82,52 @@ void expect_rigid_impact(const Impact& impact, double restitution, double speed,
   const double impulse = (1 + restitution) * speed / (1 / mass + arm * arm / inertia);
   EXPECT_NEAR(impact.after.velocity.z(), impulse / mass - speed, tolerance * speed);
   EXPECT_NEAR(impact.after.angular_velocity.y(), -impulse * arm / inertia, tolerance * speed / edge);
+}
+
+TEST(FloeContact, TheImpulseOnAWallIsTheChangeOfMomentum) {
+  Solids solids;
+  solids.prepare("1e7", "floe", 0.4, 0.3);
+  const std::string table = testing::TempDir() + "embacle-walls.csv";
+  solids.run({"timestep 1e-5", "fix pier all wall/gran model floe primitive type 1 xplane 0.5",
+              "fix left all wall/gran model floe primitive type 1 yplane -0.9",
+              "fix floes all floe/create " + box(8) + "position 0.37 0.1 0 rotate 0 0 1 20 velocity 0.8 0.1 0",
+              fmt::format("fix record all floe/record walls {} every 100", table), "run 0"});
+  const auto before = solids.bodies()[0].state;
+  solids.run({"run 5000"});
+  const auto after = solids.bodies()[0].state;
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank != 0) return;
+  std::ifstream file(table);
+  std::string line;
+  std::getline(file, line);
+  EXPECT_TRUE(line.starts_with("t [s],pier fx [N],pier fy [N]")) << line;
+  Vec3 pier = Vec3::Zero(), left = Vec3::Zero();
+  double torque = 0, time = 0;
+  while (std::getline(file, line)) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream numbers(line);
+    double t = 0;
+    Vec3 force, moment, force_left, moment_left;
+    numbers >> t;
+    for (Vec3* part : {&force, &moment, &force_left, &moment_left}) numbers >> (*part)[0] >> (*part)[1] >> (*part)[2];
+    ASSERT_TRUE(numbers);
+    pier += (t - time) * force;
+    left += (t - time) * force_left;
+    torque += (t - time) * moment.z();
+    time = t;
+  }
+  const Vec3 change = mass * (before.velocity - after.velocity);
+  EXPECT_GT(change.x(), 0.8 * mass);
+  EXPECT_LT((pier - change).norm(), 1e-3 * change.norm());
+  EXPECT_EQ(left.norm(), 0);
+  const double inertia = mass * (edge * edge + edge * edge) / 12;
+  const auto angular = [&](const coupling::State& s) {
+    return s.position.cross(mass * s.velocity).z() + inertia * s.angular_velocity.z();
+  };
+  EXPECT_NEAR(torque, angular(before) - angular(after), 2e-3 * std::abs(torque)) << "about the origin";
+  std::remove(table.c_str());
 }
 
 TEST(FloeContact, ReboundsAsAskedWithAnySpheres) {

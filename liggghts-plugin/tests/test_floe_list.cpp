@@ -12,6 +12,7 @@
 #include "floe_checks.hpp"
 #include "floe_file.hpp"
 #include "floe_list.hpp"
+#include "floe_schedule.hpp"
 #include "template_file.hpp"
 
 namespace embacle::liggghts {
@@ -241,6 +242,66 @@ TEST_F(FloeFile, NamesFileAndLine) {
   expect_parts(message_of([] { read_floe_file("/no/such/file.csv"); }), {"/no/such/file.csv"});
 }
 
+TEST_F(FloeFile, OutlinesAreTheirOwnPrisms) {
+  const std::string head = "t [s], x, y, z, outline [m], thickness [m], density\n";
+  write(head +
+        "2, 0, 0, 1, 0 0 0.4 0 0.4 0.2 0 0.2, 0.1, 900\n1, 1, 0, 1, 0 0 0.4 0 0.4 0.2 0 0.2, 0.1, 900\n"
+        "1, 2, 0, 1, 0 0 0.3 0 0 0.3, 0.2, 900\n");
+  const FloeList list = read("shape box 1 1 1 density 1 spacing 0.1 file " + path_ + " repeat 5");
+  ASSERT_EQ(list.shapes.size(), 2U) << "equal floes are one shape";
+  EXPECT_NEAR(list.shapes[0].shape.mass_properties().mass, 900 * 0.4 * 0.2 * 0.1, 1e-12);
+  EXPECT_NEAR(list.shapes[1].shape.mass_properties().mass, 900 * 0.045 * 0.2, 1e-12);
+  EXPECT_TRUE(list.floes[0].state.position.isApprox(Vec3(0, 0, 1))) << "the place of the centre of mass";
+  EXPECT_EQ(list.floes[0].enters, 2);
+  EXPECT_EQ(list.repeat, 5);
+  write("x, y, z, outline, thickness, mass\n0, 0, 1, 0 0 0.4 0 0.4 0.2, 0.1, 7\n");
+  const FloeList heavy = read("shape box 1 1 1 spacing 0.1 file " + path_);
+  EXPECT_NEAR(heavy.shapes[0].shape.mass_properties().mass, 7, 1e-12);
+  EXPECT_FALSE(heavy.floes[0].enters);
+
+  const auto message = [&](const std::string& text, const std::string& more = "") {
+    write(text);
+    return message_of([&] { read("shape box 1 1 1 density 1 spacing 0.1 file " + path_ + more); });
+  };
+  expect_parts(message(head + "0,0,0,0,0 0 1 0 1,1,1\n"), {path_ + ":2", "5 numbers", "at least 3 corners"});
+  expect_parts(message(head + "0,0,0,0,0 0 1 0 1 o,1,1\n"), {path_ + ":2", "'o'", "'outline'"});
+  expect_parts(message(head + "0,0,0,0,0 0 1 0 1 1,0,1\n"), {"'thickness'", "greater than zero"});
+  expect_parts(message(head + "0,0,0,0,0 0 1 1 1 0 0 1,1,1\n"), {path_ + ":2", "cross"});
+  expect_parts(message("x,y,z,outline\n"), {"'thickness' is missing"});
+  expect_parts(message("x,y,z,lx,ly,lz,outline,thickness\n"), {"not both"});
+  expect_parts(message("x,y,z\n0,0,0\n", " repeat 5"), {"'repeat'", "column t"});
+}
+
+TEST(FloeSchedule, GivesEachWhenItsTimeHasComeAndKeepsWhoWaits) {
+  FloeList list;
+  for (const double time : {2.0, 1.0, 1.5}) {
+    list.floes.emplace_back();
+    list.floes.back().enters = time;
+  }
+  list.floes.emplace_back();  // is there from the start
+  using Entries = std::vector<std::int64_t>;
+  FloeSchedule once(list);
+  EXPECT_TRUE(once.due(0.9).empty());
+  EXPECT_EQ(once.due(1.5), (Entries{0, 1}));
+  EXPECT_EQ(once.floe(0), 1U);
+  EXPECT_EQ(once.floe(1), 2U);
+  once.entered(0);
+  EXPECT_EQ(once.due(2), (Entries{1, 2})) << "the one that waits comes first";
+  EXPECT_EQ(once.waiting(), 2U);
+  once.entered(1);
+  once.entered(2);
+  EXPECT_TRUE(once.due(1e9).empty());
+
+  list.repeat = 10;
+  FloeSchedule again(list), restored(list);
+  EXPECT_EQ(again.due(11.2), (Entries{0, 1, 2, 3}));
+  EXPECT_EQ(again.floe(3), 1U);
+  again.entered(1);
+  restored.restore(again.save());
+  EXPECT_EQ(restored.due(11.5), (Entries{0, 2, 3, 4}));
+  EXPECT_EQ(again.due(11.5), restored.due(11.5));
+}
+
 std::vector<PlacedFloe> placed(const FloeList& list) {
   std::vector<PlacedFloe> result;
   for (const Floe& floe : list.floes) result.push_back({&list.shapes[floe.shape], floe.state, floe.origin});
@@ -262,6 +323,30 @@ TEST(FloeChecks, OverlapOfBoxesIsExact) {
   // Two edges that cross at a right angle: only the product of edge directions separates these.
   EXPECT_LT(depth("position 0 0 0 rotate 0 1 0 45 position 0 0 1.45 rotate 1 0 0 45"), 0);
   EXPECT_GT(depth("position 0 0 0 rotate 0 1 0 45 position 0 0 1.38 rotate 1 0 0 45"), 0);
+}
+
+TEST(FloeChecks, OverlapOfConvexPrismsIsExact) {
+  const std::string triangle = "shape prism 0.2 3 0 0 1 0 0 1 density 900 spacing 0.1 ";  // centroid at a third
+  const auto depth = [&](const std::string& bodies) {
+    const FloeList list = read(triangle + bodies);
+    const auto floes = placed(list);
+    return overlap_depth(floes[0], floes[1]);
+  };
+  // Two triangles make a square: their long sides touch where the centres are sqrt(2)/3 apart.
+  const auto facing = [&](double along) {
+    return depth(fmt::format("position 0 0 0 position {0} {0} 0 rotate 0 0 1 180", along));
+  };
+  EXPECT_NEAR(facing(1.0 / 3 - 0.01), 0.01 * std::sqrt(2.0), 1e-12) << "its spheres do not reach the edges";
+  EXPECT_NEAR(facing(1.0 / 3 + 0.01), -0.01 * std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(depth("position 0 0 0 position 0 0 0.19"), 0.01, 1e-12);
+  EXPECT_LT(depth("position 0 0 0 position 0 0 0.2001"), 0);
+  // A box and a prism; a shape that is not convex is judged by its spheres.
+  const FloeList mixed = read("shape box 1 1 0.2 density 900 spacing 0.2 position 0 0 0 " + triangle + "position 0.8 0 0");
+  EXPECT_NEAR(overlap_depth(placed(mixed)[0], placed(mixed)[1]), 0.5 + 1.0 / 3 - 0.8, 1e-12);
+  const FloeList hook = read(
+      "shape prism 0.2 6 0 0 1 0 1 0.2 0.2 0.2 0.2 1 0 1 density 900 spacing 0.05 position 0 0 0 "
+      "shape box 0.2 0.2 0.2 density 900 spacing 0.05 position 0.35 0.35 0");
+  EXPECT_LT(overlap_depth(placed(hook)[0], placed(hook)[1]), 0) << "in the hook's corner, but apart";
 }
 
 TEST(FloeChecks, NamesTheDeepestOverlap) {

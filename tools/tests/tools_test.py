@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """Tests of the scripts in tools/, on small run folders made here."""
+import contextlib
 import csv
+import io
 import json
 import os
 import pathlib
@@ -16,6 +18,7 @@ TOOLS = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(TOOLS))
 
 import matplotlib.pyplot as plt  # noqa: E402
+import floes  # noqa: E402
 import paths  # noqa: E402
 import pictures  # noqa: E402
 import run_folder  # noqa: E402
@@ -336,6 +339,100 @@ class ValidationPlotsTest(RunTest):
         done = run("validation_plots.py", self.folder)
         self.assertEqual(done.returncode, 2)
         self.assertIn("validation.json is missing", done.stderr)
+
+
+class Floes(unittest.TestCase):
+    """Fields of floes: what is asked for, nothing on top of each other, the same every time."""
+
+    BASE = ("--from", "0", "0", "--to", "6", "3", "--level", "0.5")
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = pathlib.Path(folder.name) / "floes.csv"
+
+    def make(self, *options):
+        """Rows of the table as dictionaries, with the outline as an array."""
+        with contextlib.redirect_stdout(io.StringIO()):
+            floes.main([*self.BASE, *options, "--out", str(self.file)])
+        self.assertGreater(self.file.with_suffix(".png").stat().st_size, 1000)
+        with self.file.open() as stream:
+            self.assertTrue(stream.readline().startswith("# ./embacle floes "))
+            table = list(csv.reader(stream))
+        names = [name.split("[")[0].strip() for name in table[0]]
+        rows = [dict(zip(names, (cell.strip() for cell in row))) for row in table[1:]]
+        for row in rows:
+            row["corners"] = np.array(row["outline"].split(), dtype=float).reshape(-1, 2)
+            row["place"] = row["corners"] + [float(row["x"]), float(row["y"])]
+        return rows
+
+    def assert_apart(self, polygons, gap):
+        """By brute force: no corner of one is in another or nearer to it than the gap."""
+        for i, a in enumerate(polygons):
+            for j, b in enumerate(polygons):
+                if i == j or np.linalg.norm(a.mean(axis=0) - b.mean(axis=0)) > 3:
+                    continue
+                along = np.roll(b, -1, axis=0) - b
+                offset = a[:, None] - b[None]
+                share = np.clip((offset * along).sum(axis=2) / (along**2).sum(axis=1), 0, 1)
+                distance = np.linalg.norm(offset - share[..., None] * along, axis=2).min(axis=1)
+                outside = (along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0]).min(axis=1) < 0
+                self.assertTrue(np.all(outside), (i, j))
+                self.assertGreaterEqual(distance.min(), gap - 1e-4, (i, j))
+
+    def test_concentration_and_gap(self):
+        for shape, allowed in (("polygon", 0.04), ("disc", 0.04), ("voronoi", 0.02)):
+            with self.subTest(shape=shape):
+                gap = 0 if shape == "voronoi" else 0.02
+                rows = self.make("--shape", shape, "--concentration", "0.45", "--size", "uniform:0.2:0.6", "--gap", str(gap))
+                areas = [floes.area(row["corners"]) for row in rows]
+                self.assertAlmostEqual(sum(areas) / 18, 0.45, delta=allowed)
+                for row in rows:
+                    np.testing.assert_allclose(floes.centroid(row["corners"]), 0, atol=1e-4)
+                    self.assertTrue(np.all(row["place"] >= -1e-5) and np.all(row["place"] <= np.array([6, 3]) + 1e-5))
+                self.assert_apart([row["place"] for row in rows], gap)
+
+    def test_drafts_and_seeds(self):
+        rows = self.make("--thickness", "uniform:0.05:0.15", "--density", "900")
+        for row in rows:
+            thickness = float(row["thickness"])
+            self.assertAlmostEqual(0.5 - (float(row["z"]) - 0.5 * thickness), 0.9 * thickness, delta=1e-5)
+        first = self.file.read_text()
+        self.make("--thickness", "uniform:0.05:0.15", "--density", "900")
+        self.assertEqual(self.file.read_text(), first)
+        self.make("--thickness", "uniform:0.05:0.15", "--density", "900", "--seed", "2")
+        self.assertNotEqual(self.file.read_text(), first)
+
+    def test_a_power_law_has_its_quantiles(self):
+        for exponent in (1.0, 1.5, 2.5):
+            share = np.linspace(0, 1, 11)
+            found = floes.power_quantile(share, exponent, 0.02, 0.2)
+            self.assertAlmostEqual(found[0], 0.02)
+            self.assertAlmostEqual(found[-1], 0.2)
+            above = (found**-exponent - 0.2**-exponent) / (0.02**-exponent - 0.2**-exponent)
+            np.testing.assert_allclose(above, 1 - share, atol=1e-12)  # the number above d falls as d^-exponent
+        self.assertAlmostEqual(floes.power_quantile(0.05, 1.5, 0.02, 0.2), 0.020672807, places=9)
+        draw = np.sort(floes.sampler("power:1.5:0.02:0.2", "size")(np.random.default_rng(5), 20000))
+        for share in (0.25, 0.5, 0.9):
+            expected = floes.power_quantile(share, 1.5, 0.02, 0.2)
+            self.assertAlmostEqual(draw[int(share * 20000)] / expected, 1, delta=0.03)
+
+    def test_a_stream_carries_what_is_asked_and_never_overlaps(self):
+        rows = self.make("--stream", "30", "--velocity", "0.4", "0", "0", "--size", "uniform:0.2:0.5", "--gap", "0.02")
+        times = [float(row["t"]) for row in rows]
+        self.assertEqual(times, sorted(times))
+        self.assertTrue(all(0 <= time <= 30 for time in times))
+        self.assertEqual({row["x"] for row in rows}, {"6"})
+        areas = sum(floes.area(row["corners"]) for row in rows)
+        self.assertAlmostEqual(areas, 0.4 * 3 * 0.4 * 30, delta=0.04 * 14.4)
+        # Where they are when the last one has entered: each carried on since its own time.
+        self.assert_apart([row["place"] + [0.4 * (30 - time), 0] for row, time in zip(rows, times)], 0.02 - 1e-4)
+
+    def test_mistakes(self):
+        for options in (("--concentration", "1.2"), ("--size", "power:1:2"), ("--size", "power:1:2:1"),
+                        ("--thickness", "thick"), ("--stream", "5"), ("--concentration", "0.9", "--gap", "0.1")):
+            with self.subTest(options=options), self.assertRaises(run_folder.RunFolderError):
+                floes.main([*self.BASE, *options, "--out", str(self.file)])
 
 
 if __name__ == "__main__":

@@ -114,6 +114,7 @@ void FloeContacts::prepare() {
   thinnest_ = std::numeric_limits<double>::infinity();
   for (const Material& of : materials_) thinnest_ = std::min(thinnest_, of.shape.thickness);
   find_walls();
+  wall_impulses_.resize(walls_.size());
   built_ = -1;
 }
 
@@ -414,7 +415,32 @@ void FloeContacts::compute_wall(WallPair& pair, bool advance) {
     const auto load = contact_force(patches[direction], motion, motions[direction], material(type, wall.atom_type),
                                     {lammps_->update->dt, gravity_, body.contacts}, advance, memory);
     add(body, load.force, load.torque);
+    if (!advance) continue;
+    const double step = lammps_->update->dt;
+    const Vec3 torque = load.torque + body.motion.position.cross(load.force);
+    wall_impulses_[pair.wall] += {-step * load.force, -step * torque};
   }
+}
+
+std::vector<std::string> FloeContacts::wall_names() const {
+  std::vector<std::string> names;
+  for (const Wall& wall : walls_) names.emplace_back(wall.mesh ? wall.mesh->id : wall.fix->id);
+  return names;
+}
+
+std::vector<coupling::Load> FloeContacts::take_wall_loads() {
+  std::vector<coupling::Load> result(wall_impulses_.size());
+  for (std::size_t w = 0; w < result.size(); ++w) {
+    std::array<double, 6> mine{}, all{};
+    Eigen::Map<Vec3>(mine.data()) = wall_impulses_[w].force;
+    Eigen::Map<Vec3>(mine.data() + 3) = wall_impulses_[w].torque;
+    MPI_Allreduce(mine.data(), all.data(), 6, MPI_DOUBLE, MPI_SUM, lammps_->world);
+    if (wall_time_ > 0)
+      result[w] = {Eigen::Map<Vec3>(all.data()) / wall_time_, Eigen::Map<Vec3>(all.data() + 3) / wall_time_};
+    wall_impulses_[w] = {};
+  }
+  wall_time_ = 0;
+  return result;
 }
 
 void FloeContacts::press_mesh(WallPair& pair, const PosedShape& shape, std::array<Patch, 6>& patches,
@@ -492,6 +518,7 @@ void FloeContacts::compute() {
     last_[b] = {bodies_[b].motion.position, Vec3::Zero(), Vec3::Zero()};
   }
   compute_all(true);
+  wall_time_ += lammps_->update->dt;
 }
 
 void FloeContacts::set_up() {

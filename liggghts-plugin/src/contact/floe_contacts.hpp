@@ -48,6 +48,12 @@ class FloeContacts {
   /// triangles is not known.
   [[nodiscard]] Energy stored_energy();
 
+  /// The walls by the names of their meshes, or of their fix if they are planes.
+  [[nodiscard]] std::vector<std::string> wall_names() const;
+  /// Mean force [N] of the bodies on each wall, and torque about the origin [N m], since the last call; zero if no step
+  /// was made. Collective.
+  [[nodiscard]] std::vector<coupling::Load> take_wall_loads();
+
   /// What there is to remember between runs: on rank 0 of all ranks, elsewhere nothing. Collective.
   struct Memory {
     std::vector<double> contacts;  ///< ContactMemory of each pair that touches, with its key
@@ -150,7 +156,9 @@ class FloeContacts {
   std::vector<double> young_;                                    ///< by atom type
   std::vector<std::vector<ContactMaterial>> contact_materials_;  ///< by atom types
   std::vector<Wall> walls_;
-  std::vector<Body> bodies_;  ///< owned ones first, then those of other ranks that are near
+  std::vector<coupling::Load> wall_impulses_;  ///< of this rank's bodies on each wall [N s, N m s]
+  double wall_time_ = 0;                       ///< in which they came about [s]
+  std::vector<Body> bodies_;                   ///< owned ones first, then those of other ranks that are near
   std::size_t owned_ = 0;
   std::vector<Pair> pairs_;
   std::vector<WallPair> wall_pairs_;
