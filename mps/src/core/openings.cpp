@@ -18,6 +18,8 @@ constexpr double window_length = 8;
 constexpr double smoothing = 2;
 /// Least velocity in the zone of an outflow, of its mean: slower water would stay.
 constexpr double least_share = 0.2;
+/// By which the density ratio of water that enters the zone of an outflow may differ from 1.
+constexpr double largest_change = 0.03;
 
 }  // namespace
 
@@ -299,7 +301,8 @@ void Openings::list(const Particles& particles) {
     for (std::size_t k = 0; k < count(); ++k) {
       if (scene_.openings[k].kind == Opening::Kind::drain || !in_zone(k, record.x)) continue;
       const double own = sign(k) * record.v[axis(k)];
-      driven_.push_back({i, static_cast<std::int32_t>(k), own});
+      const double s = std::clamp(record.s, 1 - largest_change, 1 + largest_change);
+      driven_.push_back({i, static_cast<std::int32_t>(k), own, s});
       sums[2 * k] += own;
       sums[2 * k + 1] += 1;
       break;
@@ -324,6 +327,7 @@ void Openings::drive(Particles& particles) const {
     Record& record = particles.record[driven.particle];
     std::fill_n(record.v, 3, 0.0);
     record.v[axis(k)] = sign(k) * driven.speed;
+    if (scene_.openings[k].kind == Opening::Kind::outflow) record.s = driven.density_ratio;
   }
 }
 

@@ -70,7 +70,8 @@ class Openings {
   struct Driven {
     std::uint32_t particle;
     std::int32_t opening;
-    double speed;  ///< along the flow [m/s]
+    double speed;          ///< along the flow [m/s]
+    double density_ratio;  ///< kept in an outflow: there fast water runs into slow water without feeling it
   };
 
   [[nodiscard]] int axis(std::size_t k) const { return axis_of(scene_.openings[k].direction); }
