@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Pictures of a run: the water, the bodies and the walls from the front, as in laboratory photographs, and from above.
 
-Writes RUN/pictures/<time>s.png, one for each time of the scene's `pictures` (without these: up to 12 frames), and
-contact-sheet.png.
+Writes RUN/pictures/<time>s.png, one for each time of the scene's `pictures` (without these: up to 12 frames),
+contact-sheet.png, and a film of the same views if one is asked for.
 """
 import argparse
 import os
@@ -66,7 +66,7 @@ def faces_of(shape):
         return [np.array([grid[i, j], grid[i + 1, j], grid[i + 1, j + 1], grid[i, j + 1]])
                 for i in range(len(tilt) - 1) for j in range(len(turn) - 1)]
     if shape["kind"] in ("prism", "surface"):
-        return list(np.array(shape["triangles"], dtype=float).reshape(-1, 3, 3))
+        return flat_faces(np.array(shape["triangles"], dtype=float).reshape(-1, 3, 3))
     raise RunFolderError(f"shapes.json: cannot draw a shape of kind {shape['kind']!r} "
                          "(box, sphere, cylinder, prism, surface)")
 
@@ -86,6 +86,31 @@ def hull(points):
 
     ordered = np.unique(points, axis=0)
     return np.array(chain(ordered) + chain(ordered[::-1]))
+
+
+def flat_faces(triangles):
+    """Triangles of a plane joined where they make a convex polygon, in the sense of the triangles."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    planes = np.column_stack([normals / areas[:, None], np.einsum("ij,ij->i", normals, triangles[:, 0]) / areas])
+    faces = []
+    size = np.ptp(triangles.reshape(-1, 3), axis=0).max()
+    _, group = np.unique(np.round(planes / [1e-6, 1e-6, 1e-6, 1e-6 * size]).astype(np.int64), axis=0, return_inverse=True)
+    for k in range(group.max() + 1):
+        members = np.flatnonzero(group == k)
+        normal = planes[members[0], :3]
+        across = triangles[members[0], 1] - triangles[members[0], 0]
+        across = across / np.linalg.norm(across)
+        axes = np.array([across, np.cross(normal, across)])
+        outline = hull(np.round(triangles[members].reshape(-1, 3) @ axes.T / (1e-9 * size)) * 1e-9 * size)
+        x, y = outline.T
+        area = np.dot(x, np.roll(y, -1)) - np.dot(np.roll(x, -1), y)
+        if abs(area) > (1 + 1e-6) * areas[members].sum():
+            faces += list(triangles[members])
+        else:
+            outline = outline if area > 0 else outline[::-1]
+            faces.append(outline @ axes + normal * planes[members[0], 3])
+    return faces
 
 
 class Scene:
@@ -248,8 +273,9 @@ def label(view, k):
     return f"{'xyz'[axis]} [m]"
 
 
-def picture(scene, index, quantity, norm, path):
-    """Draws one frame into a PNG; returns the part of the image with the front view, and the part with the colour bar."""
+def picture(scene, index, quantity, norm, path, from_above=False):
+    """Draws one frame into a PNG; returns the part of the image with the front view (or the one from above), and the part
+    with the colour bar."""
     time = float(scene.frames.times[index])
     position, value = scene.water(index, quantity)
     panels = [scene.front] if scene.flat else [scene.front, scene.above]
@@ -284,9 +310,13 @@ def picture(scene, index, quantity, norm, path):
     figure.savefig(path, dpi=DPI)
     image = np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy()
     plt.close(figure)
-    rows = slice(0, int((total[1] - max(front_bottom + 0.25, 0)) * DPI))
+    front_end = int((total[1] - max(front_bottom + 0.25, 0)) * DPI)
     split = int((left + width + 0.1) * DPI)
-    return image[rows, :split], image[rows, split:]
+    if not from_above or scene.flat:
+        return image[:front_end, :split], image[:front_end, split:]
+    head = image[:int(top * DPI)]  # with the time
+    view = np.concatenate([head, image[front_end:]])[:, :split]
+    return view, image[:front_end, split:]
 
 
 def contact_sheet(tiles, bar, path):
@@ -301,8 +331,18 @@ def contact_sheet(tiles, bar, path):
     rows = [np.concatenate(small[k:k + 2], axis=1) for k in range(0, len(small), 2)]
     sheet = np.concatenate(rows, axis=0)
     column = np.full((sheet.shape[0], bar.shape[1] // 2, 3), 255.0)
-    column[:bar.shape[0] // 2] = halved(bar)
+    bar = halved(bar)[:sheet.shape[0]]
+    column[:bar.shape[0]] = bar
     plt.imsave(path, np.concatenate([sheet, column], axis=1).astype(np.uint8))
+
+
+def film(tiles, path):
+    """The tiles as a film: an animated GIF, half size, ten pictures a second."""
+    from PIL import Image  # comes with matplotlib
+    images = [Image.fromarray(tile).resize((tile.shape[1] // 2, tile.shape[0] // 2)) for tile in tiles]
+    colours = images[-1].quantize(128)
+    images = [image.quantize(palette=colours) for image in images]
+    images[0].save(path, save_all=True, append_images=images[1:], duration=100, loop=0, optimize=True)
 
 
 def colour_range(scene, indices, quantity):
@@ -338,8 +378,12 @@ def main():
     parser.add_argument("--by", choices=["speed", "pressure"], default="speed", help="what colours the water")
     parser.add_argument("--times", type=times_option, help="times [s], separated by commas, or `all` for every frame; "
                         "default: the scene's `pictures`, or up to 12 frames spread over the run")
+    parser.add_argument("--view", choices=["front", "above"], default="front", help="what contact sheet and film show")
+    parser.add_argument("--film", metavar="FILE.gif", help="a film of all these times")
     parser.add_argument("--out", help="folder for the pictures (default: RUN/pictures)")
     options = parser.parse_args()
+    if options.film and not options.film.endswith(".gif"):
+        raise RunFolderError(f"--film {options.film}: allowed: a name that ends with .gif")
 
     scene = Scene(options.run)
     indices = chosen_frames(scene, options.times)
@@ -348,9 +392,12 @@ def main():
     os.makedirs(out, exist_ok=True)
     tiles, bar = [], None
     for index in indices:
-        tile, bar = picture(scene, index, options.by, norm, os.path.join(out, f"{scene.frames.times[index]:.3f}s.png"))
+        tile, bar = picture(scene, index, options.by, norm, os.path.join(out, f"{scene.frames.times[index]:.3f}s.png"),
+                            options.view == "above")
         tiles.append(tile)
     contact_sheet(tiles, bar, os.path.join(out, "contact-sheet.png"))
+    if options.film:
+        film(tiles, options.film)
     print(f"{len(indices)} pictures and contact-sheet.png in {out}")
 
 

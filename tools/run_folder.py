@@ -47,8 +47,14 @@ def read_json(path):
 
 
 def read_shapes(folder):
-    """shapes.json: gravity, domain, walls, shapes and bodies of the run (written at its start)."""
-    return read_json(existing(folder, "shapes.json", "it is written at the start of every run"))
+    """shapes.json: gravity, domain, walls, shapes and bodies of the run (written at its start), with the bodies that
+    came later (arrivals.csv)."""
+    shapes = read_json(existing(folder, "shapes.json", "it is written at the start of every run"))
+    path = os.path.join(folder, "arrivals.csv")
+    if os.path.isfile(path):
+        for tag, shape in columns(read_table(path), ["tag", "shape"], path).astype(int).tolist():
+            shapes.setdefault("bodies", []).append({"tag": tag, "shape": shape})
+    return shapes
 
 
 def read_table(path):

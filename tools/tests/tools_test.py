@@ -341,6 +341,24 @@ class ValidationPlotsTest(RunTest):
         self.assertIn("validation.json is missing", done.stderr)
 
 
+class Faces(unittest.TestCase):
+    def test_triangles_of_a_plane_become_its_outline(self):
+        square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+        lower = [[square[0], square[2], square[1]], [square[0], square[3], square[2]]]
+        upper = [[[x, y, 0.5] for x, y, _ in reversed(face)] for face in lower]
+        sides = []
+        for a, b in zip(square, square[1:] + square[:1]):
+            up = [[*a[:2], 0.5], [*b[:2], 0.5]]
+            sides += [[a, b, up[1]], [a, up[1], up[0]]]
+        faces = pictures.flat_faces(np.array(lower + upper + sides, dtype=float))
+        self.assertEqual(sorted(len(face) for face in faces), [4] * 6)
+        for face in faces:
+            normal = np.cross(face[1] - face[0], face[2] - face[1])
+            self.assertGreater(normal @ (face.mean(axis=0) - [0.5, 0.5, 0.25]), 0, "outwards")
+        hook = np.array([[[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0]], [[0, 0, 0], [0.5, 0.5, 0], [0, 2, 0]]], dtype=float)
+        self.assertEqual([len(face) for face in pictures.flat_faces(hook)], [3, 3], "not convex: as it was")
+
+
 class Floes(unittest.TestCase):
     """Fields of floes: what is asked for, nothing on top of each other, the same every time."""
 

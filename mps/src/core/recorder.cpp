@@ -84,6 +84,10 @@ void Recorder::open_files(std::optional<double> keep_until, std::vector<FrameRec
                                    "tx [N m]",   "ty [N m]",   "tz [N m]"},
           keep_until);
     }
+    if (simulation.bodies() != nullptr) {
+      arrivals_ = std::make_unique<CsvWriter>(folder_ / "arrivals.csv",
+                                              std::vector<std::string>{"t [s]", "tag [-]", "shape [-]"}, keep_until);
+    }
     for (const Wall& wall : scene_.walls) {
       if (!wall.forces) continue;
       structures_.push_back(std::make_unique<CsvWriter>(
@@ -151,7 +155,7 @@ void Recorder::write_fields() {
 }
 
 void Recorder::write_bodies() {
-  constexpr int width = 20;
+  constexpr int width = 20;  // and the shape behind them
   std::vector<double> rows;
   for (const auto& body : simulation_.bodies()->all()) {
     if (!speaks_for(rank_, body)) continue;
@@ -163,15 +167,20 @@ void Recorder::write_bodies() {
     for (const auto* v : {&s.velocity, &s.angular_velocity, &body.applied.force, &body.applied.torque}) {
       for (int c = 0; c < 3; ++c) rows.push_back((*v)[c]);
     }
+    rows.push_back(body.shape);
   }
   const std::vector<double> all = gather_on_first(rows, simulation_.comm());
   std::vector<const double*> sorted;
-  for (std::size_t k = 0; k + width <= all.size(); k += width) sorted.push_back(&all[k]);
+  for (std::size_t k = 0; k + width < all.size(); k += width + 1) sorted.push_back(&all[k]);
   std::sort(sorted.begin(), sorted.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
   for (const double* row : sorted) {
     std::vector<double> values{simulation_.time()};
     values.insert(values.end(), row, row + width);
     bodies_->row(values);
+    if (row[0] <= newest_listed_) continue;  // in shapes.json, or listed before
+    newest_listed_ = row[0];
+    arrivals_->row(std::vector<double>{simulation_.time(), row[0], row[width]});
+    arrivals_->flush();
   }
   if (rank_ == 0) bodies_->flush();
 }
@@ -256,7 +265,7 @@ void Recorder::write_energies() {
   energies_->flush();
 }
 
-void Recorder::write_stage() const {
+void Recorder::write_stage() {
   std::vector<double> packed;
   if (simulation_.bodies() != nullptr) {
     for (const auto& body : simulation_.bodies()->all()) {
@@ -320,6 +329,7 @@ void Recorder::write_stage() const {
     }
   }
   for (std::size_t k = 0; k + 1 < all.size(); k += 2) {
+    newest_listed_ = std::max(newest_listed_, all[k]);
     Json& entry = json.append("bodies");
     entry.set("tag", static_cast<std::int64_t>(all[k]));
     entry.set("shape", static_cast<std::int64_t>(all[k + 1]));

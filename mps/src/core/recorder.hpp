@@ -51,7 +51,7 @@ class Recorder {
   void write_structures();
   void write_openings();
   void write_energies();
-  void write_stage() const;  ///< stage.json: what pictures need to know of the scene
+  void write_stage();  ///< stage.json: what pictures need to know of the scene
   void show_progress(bool last);
   /// Reasons not to trust the finished run, from its largest speed [m/s] and largest |rho/rho0 - 1|.
   [[nodiscard]] std::vector<std::string> doubts(double speed, double compression) const;
@@ -63,8 +63,10 @@ class Recorder {
   std::unique_ptr<FieldWriter> fields_;
   std::unique_ptr<CsvWriter> bodies_, energies_;
   std::vector<std::unique_ptr<CsvWriter>> gauges_, structures_, openings_;
-  std::vector<double> passed_;  ///< through each opening, when it was last written [m3]
-  double passed_at_ = 0;        ///< then [s]
+  std::unique_ptr<CsvWriter> arrivals_;  ///< bodies that came later, with their shapes
+  double newest_listed_ = -1;            ///< tag of the newest body there or in shapes.json
+  std::vector<double> passed_;           ///< through each opening, when it was last written [m3]
+  double passed_at_ = 0;                 ///< then [s]
   Clock fields_clock_, bodies_clock_, gauges_clock_, structures_clock_, openings_clock_, energies_clock_;
   std::size_t next_picture_ = 0;
   WaterState start_, now_;

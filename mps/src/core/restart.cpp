@@ -265,6 +265,7 @@ void Recorder::save(CheckpointContent& content) const {
   content.numbers["compressed_at"] = compressed_at_;
   content.numbers["deepest_in_body"] = deepest_;
   content.numbers["wall_seconds"] = earlier_seconds_ + MPI_Wtime() - began_;
+  content.numbers["newest_listed"] = newest_listed_;
   content.lists["restart_times"] = restart_times_;
   auto& times = content.lists["frame_times"];
   auto& steps = content.lists["frame_steps"];
@@ -310,6 +311,7 @@ void Recorder::restore(const CheckpointReader& checkpoint) {
   most_outside_ = checkpoint.count("most_outside");
   most_inside_ = checkpoint.count("most_inside");
   deepest_ = checkpoint.number("deepest_in_body");
+  newest_listed_ = checkpoint.number("newest_listed");
   largest_energy_gain_ = checkpoint.number("largest_energy_gain");
   lowest_energy_ = checkpoint.number("lowest_energy");
   largest_energy_rise_ = checkpoint.number("largest_energy_rise");
