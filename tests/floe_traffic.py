@@ -56,6 +56,18 @@ class FloeTraffic(support.SceneTest):
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertGreater(summary["displaced_by_arrivals"], 0)
 
+    def test_contacts_of_spheres_keep_their_histories(self):
+        path = self.scene / "in.floes"
+        path.write_text(path.read_text().replace("model floe", "model hertz tangential history")
+                        .replace("repeat 0.5", "repeat 0.2").replace("xplane 0.4", "xplane 0.3"))
+        self.edit("floes.csv", "0.1, 0.1, 0.11, 0.072, 0.4", "0.1, 0.1, 0.106, 0.072, 0.4")  # nearly touches the others
+        self.done("--fluid-ranks", 2)
+        tracks = self.tracks()
+        self.assertGreater(len(tracks), 8)
+        for track in tracks.values():
+            for (time, x), (later, next_x) in zip(track, track[1:]):
+                self.assertLess(abs(next_x - x), 1.2 * (later - time), "nothing is thrown about")
+
     def test_ranks_and_layouts_agree(self):
         self.done("--fluid-ranks", 1)
         expected = self.tracks()

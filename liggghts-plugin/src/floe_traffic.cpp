@@ -73,6 +73,10 @@ std::vector<coupling::BodyTag> FloeTraffic::beyond_outlets() const {
   return all;
 }
 
+/// Histories of contacts are in the neighbour lists, by the places of atoms there: before those change they must be
+/// moved to the atoms, and the set-up that follows finds them there.
+void FloeTraffic::keep_histories() { lammps_->modify->setup_pre_exchange(); }
+
 /// Who finds the place taken, by a body that is there or by one that enters at the same time, waits.
 int FloeTraffic::admit(double time) {
   std::vector<PlacedFloe> present;
@@ -99,6 +103,7 @@ int FloeTraffic::admit(double time) {
       source->schedule().entered(entry);
     }
     if (entering.empty()) continue;
+    keep_histories();
     last_tag_ = source->add(entering, last_tag_);
     count += static_cast<int>(entering.size());
   }
@@ -111,7 +116,10 @@ FloeTraffic::Change FloeTraffic::renew(double time) {
   std::size_t waiting_before = 0, waiting = 0;
   for (FixFloeCreate* source : sources_) waiting_before += source->schedule().waiting();
   change.left = beyond_outlets();
-  if (!change.left.empty()) remove_bodies(lammps_, multisphere_, change.left);
+  if (!change.left.empty()) {
+    keep_histories();
+    remove_bodies(lammps_, multisphere_, change.left);
+  }
   change.entered = admit(time);
   entered_ += change.entered;
   left_ += static_cast<std::int64_t>(change.left.size());

@@ -31,6 +31,7 @@ class FloeTraffic {
  private:
   [[nodiscard]] std::vector<coupling::BodyTag> beyond_outlets() const;
   int admit(double time);
+  void keep_histories();
   void write(double time) const;
 
   LAMMPS_NS::LAMMPS* lammps_;

@@ -26,9 +26,9 @@ double evenly_spread(const double* x, double particle_distance) {
 /// out.
 constexpr double largest_acceleration_in_g = 2.0;
 
-/// Of a body's face, in particle distances. Nearer ones are thrown off; kept at 0.5, still water presses too little on
-/// thin plates (docs/coupling.md).
-constexpr double nearest_at_start = 0.35;
+/// Of a body's face, in particle distances. Nearer ones are thrown off; farther ones press too little on thin plates
+/// (docs/coupling.md).
+constexpr double nearest_at_start = 0.5;
 
 Vec3 limited(const Vec3& vector, double largest) {
   const double norm = vector.norm();

@@ -222,12 +222,19 @@ void Openings::set_inflow(std::size_t k, double measured, double passed_time) {
     const double delay = smoothing * std::sqrt(std::max(l0, state.level - bed) / gravity);
     state.level += (1 - std::exp(-passed_time / delay)) * (measured - state.level);
   }
-  state.level = std::clamp(state.level, bed + l0, opening.region.upper[up_]);
+  const double top = opening.region.upper[up_];
+  state.level = std::clamp(state.level, bed + l0, top);
   state.known = true;
+  const double discharge = opening.discharge_at(time_);
+  const auto too_low = [&] {  // for flow slower than its waves: Q^2 B > g A^3
+    const double area = area_below(k, state.level), width = (area - area_below(k, state.level - l0)) / l0;
+    return area == 0 || discharge * discharge * width > gravity * area * area * area;
+  };
+  while (!opening.level && state.level < top && too_low()) state.level = std::min(top, state.level + 0.1 * l0);
   double area = 0;  // as the profile weighs it
   const double cell = l0 * (constants_.dimension == 3 ? l0 : scene_.thickness);
   for (const Row& row : state.rows) area += share(k, row) * profile(k, row.place) * cell;
-  state.speed = area > 0 ? opening.discharge_at(time_) / area : 0;
+  state.speed = area > 0 ? discharge / area : 0;
 }
 
 /// Long waves leave if nothing comes back along the other characteristic: u - 2 sqrt(g A/B) is that of the stated level

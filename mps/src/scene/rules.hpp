@@ -481,6 +481,8 @@ class Rules {
     const std::string name(1, axis_names[axis]);
     if (axis >= scene_.dimension)
       return context_.report({path + ".direction"}, "a 2-D scene has no direction z; allowed: -x, +x");
+    if (scene_.fluid.gravity[scene_.upright()] > 0)
+      return context_.report({path, "fluid.gravity"}, "needs gravity downwards, against the axis");
     if (axis == scene_.upright() || scene_.fluid.gravity == Vec3d{})
       return context_.report({path + ".direction", "fluid.gravity"}, "must be level, across gravity");
     if (scene_.is_periodic(axis))

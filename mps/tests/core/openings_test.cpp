@@ -85,6 +85,18 @@ TEST(Openings, TheLevelOfAnInflowThatIsGivenMakesItsDepth) {
   EXPECT_NEAR(simulation.openings()->passages()[0].volume, asked, 0.01 * 0.06);
 }
 
+TEST(Openings, IntoShallowWaterTheInflowIsAsDeepAsItsWavesAllow) {
+  Scene scene = test::reach(2);
+  scene.water.front().region.upper[1] = 0.02;
+  scene.water.front().velocity = {};
+  Simulation simulation(scene, MPI_COMM_WORLD, nullptr);
+  const double critical = std::cbrt(0.04 * 0.04 / 9.81);
+  EXPECT_NEAR(simulation.openings()->passages()[0].level, critical, 0.0011);
+  test::run(simulation, static_cast<int>(0.3 / simulation.window_length()));
+  EXPECT_GE(simulation.openings()->passages()[0].level, critical - 1e-12);
+  EXPECT_LT(simulation.openings()->passages()[0].speed, 0.04 / critical + 1e-9);
+}
+
 TEST(Openings, ADrainTakesAwayWhatEntersIt) {
   Scene scene = test::collapsing_column(2, 20);
   scene.domain.upper = {0.5, 1, 0};
