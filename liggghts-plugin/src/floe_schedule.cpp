@@ -14,7 +14,8 @@ FloeSchedule::FloeSchedule(const FloeList& list) : repeat_(list.repeat) {
 
 double FloeSchedule::time_of(std::int64_t entry) const {
   const auto n = static_cast<std::int64_t>(order_.size());
-  return times_[entry % n] + static_cast<double>(entry / n) * repeat_;
+  const std::int64_t cycle = entry / n;
+  return times_[entry % n] + static_cast<double>(cycle) * repeat_;
 }
 
 std::size_t FloeSchedule::floe(std::int64_t entry) const {

@@ -341,7 +341,8 @@ TEST(FloeChecks, OverlapOfConvexPrismsIsExact) {
   EXPECT_NEAR(depth("position 0 0 0 position 0 0 0.19"), 0.01, 1e-12);
   EXPECT_LT(depth("position 0 0 0 position 0 0 0.2001"), 0);
   // A box and a prism; a shape that is not convex is judged by its spheres.
-  const FloeList mixed = read("shape box 1 1 0.2 density 900 spacing 0.2 position 0 0 0 " + triangle + "position 0.8 0 0");
+  const FloeList mixed =
+      read("shape box 1 1 0.2 density 900 spacing 0.2 position 0 0 0 " + triangle + "position 0.8 0 0");
   EXPECT_NEAR(overlap_depth(placed(mixed)[0], placed(mixed)[1]), 0.5 + 1.0 / 3 - 0.8, 1e-12);
   const FloeList hook = read(
       "shape prism 0.2 6 0 0 1 0 1 0.2 0.2 0.2 0.2 1 0 1 density 900 spacing 0.05 position 0 0 0 "

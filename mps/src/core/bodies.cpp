@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <stdexcept>
 
 namespace embacle::mps {
@@ -262,10 +261,10 @@ double Bodies::penetration(const double* x) const {
 bool Bodies::make_room(double* x, std::int64_t newer_than) const {
   const double l0 = constants_.particle_distance;
   const auto depth = [&](std::size_t b) { return depth_in(b, Vec3(x[0], x[1], x[2])); };
-  const double far = -0.5 * l0;
-  const bool concerned = std::ranges::any_of(std::views::iota(std::size_t{0}, count()), [&](std::size_t b) {
-    return bodies_[b].tag > newer_than && depth(b) > far;
-  });
+  bool concerned = false;
+  for (std::size_t b = 0; b < count() && !concerned; ++b) {
+    concerned = bodies_[b].tag > newer_than && depth(b) > -0.5 * l0;
+  }
   if (!concerned) return true;
   for (std::size_t b = 0; b < count(); ++b) {
     const double gap = -depth(b) / l0;
