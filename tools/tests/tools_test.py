@@ -341,6 +341,26 @@ class ValidationPlotsTest(RunTest):
         self.assertIn("validation.json is missing", done.stderr)
 
 
+class Arrivals(unittest.TestCase):
+    def test_bodies_that_came_later_are_drawn_and_filmed(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            make_run(folder)
+            shapes = json.loads((folder / "shapes.json").read_text())
+            late = shapes["bodies"].pop()
+            (folder / "shapes.json").write_text(json.dumps(shapes))
+            (folder / "arrivals.csv").write_text(f"t [s],tag [-],shape [-]\n0.5,{late['tag']},{late['shape']}\n")
+            self.assertEqual(run_folder.read_shapes(str(folder))["bodies"][-1], late)
+            film = folder / "film.gif"
+            done = subprocess.run([sys.executable, str(TOOLS / "pictures.py"), name, "--times", "all", "--view", "above",
+                                   "--film", str(film)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(film.read_bytes()[:4], b"GIF8")
+            done = subprocess.run([sys.executable, str(TOOLS / "pictures.py"), name, "--film", "film.avi"],
+                                  capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr.count("allowed: a name that ends with .gif")), (2, 1))
+
+
 class Faces(unittest.TestCase):
     def test_triangles_of_a_plane_become_its_outline(self):
         square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
