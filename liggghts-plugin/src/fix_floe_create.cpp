@@ -85,9 +85,13 @@ double FixFloeCreate::min_rad(int type) {
   return radius;
 }
 
+// As LIGGGHTS has it for bodies that are there. With the radius about the whole shape, which is a little larger, runs
+// that continue from a restart file on several ranks crashed now and then in FixMultisphere::set_xv.
 double FixFloeCreate::extend_cut_ghost() {
   double reach = 0;
-  for (const FloeShape& shape : list_.shapes) reach = std::max(reach, shape.shape.bounding_radius());
+  for (const FloeShape& shape : list_.shapes) {
+    for (const auto& sphere : shape.spheres) reach = std::max(reach, sphere.centre.norm() + sphere.radius);
+  }
   return 2 * reach;
 }
 

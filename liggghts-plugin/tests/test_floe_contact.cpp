@@ -321,9 +321,11 @@ TEST(FloeContact, ContinuesFromARestartFile) {
 TEST(FloeContact, RefusesOverlapsAndLeaps) {
   if (!alone()) GTEST_SKIP();
   const std::string prism = "shape prism 0.1 3 0 0 0.3 0 0.1 0.2 density 900 spheres 10 ";
+  const std::string discs = "shape disc 0.1 0.1 density 900 spheres 8 ";  // whose spheres do not touch
   const std::vector<std::array<std::string, 3>> cases = {
       {box(8) + "position 0 0 0.02", "1e-5", "overlap by 0.03 m all at once"},
-      {prism + "position 0 0 0.3 position 0.17 0.1 0.3", "1e-5", "the bodies 1 and 2 overlap by"},
+      {prism + "position 0 0 0.3 position 0.17 0.1 0.3", "1e-5", "1 pair(s) of bodies overlap"},
+      {discs + "position 0 0 0.3 position 0.19 0 0.3", "1e-5", "the bodies 1 and 2 overlap by"},
       {box(8) + "position 0 0 0.3 velocity 0 0 -1e3", "1e-3", "could pass through others unseen"},
       {box(8) + "position 0 0 0.3", "0", "the time step must be positive"}};
   for (const auto& [words, step, message] : cases) {
