@@ -1,7 +1,6 @@
 #include "floe_traffic.hpp"
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include <algorithm>
 #include <cstdlib>

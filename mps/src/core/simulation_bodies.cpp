@@ -59,12 +59,15 @@ void Simulation::remove_water_in_bodies(std::int64_t newer_than) {
   lists_valid_ = false;
 }
 
-/// Tags are never used twice, and new ones are greater.
+/// Tags are never used twice, and new ones are greater. The lists are made at once: what is recorded before the next
+/// step reads them.
 void Simulation::welcome_arrivals() {
   const std::int64_t known = newest_tag_;
   for (std::size_t b = 0; b < bodies_->count(); ++b) newest_tag_ = std::max(newest_tag_, bodies_->tag(b));
   MPI_Allreduce(MPI_IN_PLACE, &newest_tag_, 1, MPI_INT64_T, MPI_MAX, comm_);
-  if (started_ && newest_tag_ > known) remove_water_in_bodies(known);
+  if (!started_ || newest_tag_ == known) return;
+  remove_water_in_bodies(known);
+  find_neighbours(time_);
 }
 
 }  // namespace embacle::mps
