@@ -107,7 +107,7 @@ std::vector<std::array<int, 3>> triangulate(const std::vector<Vec2>& polygon) {
   return result;
 }
 
-double polygon_distance(const std::vector<Vec2>& polygon, const Vec2& place, Vec2& normal) {
+double polygon_distance(const std::vector<Vec2>& polygon, const Vec2& place, Vec2* normal) {
   double best = std::numeric_limits<double>::infinity();
   Vec2 foot = place, edge = Vec2::UnitX();
   bool inside = false;
@@ -127,8 +127,10 @@ double polygon_distance(const std::vector<Vec2>& polygon, const Vec2& place, Vec
   }
   const double distance = std::sqrt(best);
   const double sign = inside ? -1 : 1;
-  normal = distance > 1e-9 * edge.norm() ? Vec2(sign * (place - foot) / distance)
-                                         : Vec2(Vec2(edge.y(), -edge.x()).normalized());
+  if (normal != nullptr) {
+    *normal = distance > 1e-9 * edge.norm() ? Vec2(sign * (place - foot) / distance)
+                                            : Vec2(Vec2(edge.y(), -edge.x()).normalized());
+  }
   return sign * distance;
 }
 

@@ -54,7 +54,7 @@ std::vector<LayerPoint> polygon_points(const std::vector<Vec2>& polygon, double 
   box.lower.z() = box.upper.z() = 0;
   const auto distance = [&](const Vec3& place, Vec3& normal) {
     Vec2 flat;
-    const double result = polygon_distance(polygon, place.head<2>(), flat);
+    const double result = polygon_distance(polygon, place.head<2>(), &flat);
     normal = Vec3(flat.x(), flat.y(), 0);
     return result;
   };

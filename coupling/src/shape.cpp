@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "polygon.hpp"
+
 namespace embacle::coupling {
 
 using std::numbers::pi;
@@ -93,6 +95,8 @@ double Shape::signed_distance(const Vec3& point) const {
     case ShapeKind::cylinder:
       return extruded(Eigen::Vector2d(point.head<2>().norm() - size.x(), std::abs(point.z()) - 0.5 * size.y()));
     case ShapeKind::prism:
+      return extruded(
+          Vec2(polygon_distance(polyhedron->polygon, point.head<2>()), std::abs(point.z()) - 0.5 * size.z()));
     case ShapeKind::surface:
       return polyhedron->surface.distance(point);
   }

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
+#include <unordered_map>
+
+#include "core/threads.hpp"
 
 namespace embacle::mps {
 
@@ -96,13 +100,14 @@ void Bodies::collect_points(const Decomposition& decomposition, std::vector<Trav
 }
 
 void Bodies::resolve_owners(Particles& particles) const {
+  std::unordered_map<std::int64_t, std::int32_t> body_of_tag;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) body_of_tag[bodies_[b].tag] = static_cast<std::int32_t>(b);
   for (std::size_t j = particles.ghost_solid_begin(); j < particles.all(); ++j) {
     Identity& identity = particles.identity[j];
     if (identity.owner < first_owner_) continue;
-    const auto body = std::find_if(bodies_.begin(), bodies_.end(),
-                                   [&](const FluidBody& candidate) { return candidate.tag == identity.id; });
-    if (body == bodies_.end()) throw std::logic_error("a neighbouring rank has points of a body unknown here");
-    identity.owner = first_owner_ + static_cast<std::int32_t>(body - bodies_.begin());
+    const auto body = body_of_tag.find(identity.id);
+    if (body == body_of_tag.end()) throw std::logic_error("a neighbouring rank has points of a body unknown here");
+    identity.owner = first_owner_ + body->second;
   }
 }
 
@@ -233,20 +238,51 @@ Vec3 Bodies::outward_normal(std::size_t body, const Vec3& place) const {
   return state.orientation * slope.normalized();
 }
 
-void Bodies::near(const Particles& particles, const NeighbourRange& range, std::vector<std::size_t>& found) const {
+void Bodies::note_water_nearby(const Particles& particles, const Neighbours& neighbours) {
   constexpr std::size_t few = 8;
-  found.clear();
+  struct Found {
+    std::vector<std::uint32_t> water, count, bodies;
+  };
+  std::vector<Found> parts(threads());
+  in_parallel(particles.water, [&](std::size_t first, std::size_t last, int thread) {
+    Found& part = parts[thread];
+    std::vector<std::uint32_t> found;
+    for (std::size_t i = first; i < last; ++i) {
+      const NeighbourRange range = neighbours.of_water(i);
+      found.clear();
+      for (auto k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {
+        const Identity& identity = particles.identity[*k];
+        if (identity.owner < first_owner_) continue;
+        const auto b = static_cast<std::uint32_t>(body_of(identity));
+        if (std::ranges::find(found, b) == found.end()) found.push_back(b);
+      }
+      if (found.empty()) continue;
+      std::ranges::sort(found);
+      part.water.push_back(static_cast<std::uint32_t>(i));
+      part.count.push_back(static_cast<std::uint32_t>(found.size()));
+      part.bodies.insert(part.bodies.end(), found.begin(), found.end());
+    }
+  });
+  water_nearby_.clear();
+  near_.clear();
+  near_begin_.clear();
   if (count() <= few) {
-    for (std::size_t b = 0; b < count(); ++b) found.push_back(b);
-    return;
+    for (std::size_t b = 0; b < count(); ++b) near_.push_back(static_cast<std::uint32_t>(b));
+  } else {
+    near_begin_.assign(particles.water + 1, 0);
   }
-  for (auto k = range.middle; k < range.end; ++k) {
-    const Identity& identity = particles.identity[*k];
-    if (identity.owner < first_owner_) continue;
-    const std::size_t b = body_of(identity);
-    if (std::ranges::find(found, b) == found.end()) found.push_back(b);
+  for (const Found& part : parts) {
+    water_nearby_.insert(water_nearby_.end(), part.water.begin(), part.water.end());
+    if (near_begin_.empty()) continue;
+    near_.insert(near_.end(), part.bodies.begin(), part.bodies.end());
+    for (std::size_t k = 0; k < part.water.size(); ++k) near_begin_[part.water[k] + 1] = part.count[k];
   }
-  std::ranges::sort(found);
+  std::partial_sum(near_begin_.begin(), near_begin_.end(), near_begin_.begin());
+}
+
+std::span<const std::uint32_t> Bodies::near(std::size_t water) const {
+  if (near_begin_.empty()) return near_;
+  return std::span(near_).subspan(near_begin_[water], near_begin_[water + 1] - near_begin_[water]);
 }
 
 double Bodies::penetration(const double* x) const {

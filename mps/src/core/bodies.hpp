@@ -60,9 +60,13 @@ class Bodies {
   [[nodiscard]] coupling::Vec3 outward_normal(std::size_t body, const coupling::Vec3& place) const;
   /// Deepest position [m] of a place below the surface of any body; negative if outside all.
   [[nodiscard]] double penetration(const double* x) const;
-  /// The bodies, ascending, that a water particle can be near to: of which it has points among its neighbours, or all
-  /// if they are few. Not those of which it is farther inside than their points lie.
-  void near(const Particles& particles, const NeighbourRange& range, std::vector<std::size_t>& found) const;
+  /// To be called when the lists are new: finds what the next two tell.
+  void note_water_nearby(const Particles& particles, const Neighbours& neighbours);
+  /// Own water that has points of bodies among its neighbours, ascending.
+  [[nodiscard]] const std::vector<std::uint32_t>& water_nearby() const { return water_nearby_; }
+  /// The bodies, ascending, that an own water particle can be near to: of which it has points among its neighbours, or
+  /// all if they are few. Not those of which it is farther inside than their points lie.
+  [[nodiscard]] std::span<const std::uint32_t> near(std::size_t water) const;
   /// Surface pressures of the own points of each body (for those who subscribe).
   [[nodiscard]] std::vector<coupling::BodyPressures> surface_pressures(const Particles& particles) const;
 
@@ -103,6 +107,9 @@ class Bodies {
   std::vector<char> left_out_;  ///< of each shape; empty: none
   std::vector<coupling::FluidBody> bodies_;
   std::vector<coupling::Vec3> acceleration_, angular_acceleration_;  ///< of each body, for the extrapolation
+  /// Of each own water particle, where its bodies begin in near_; empty if all bodies are near to all water.
+  std::vector<std::uint32_t> near_begin_;
+  std::vector<std::uint32_t> near_, water_nearby_;
 };
 
 }  // namespace embacle::mps

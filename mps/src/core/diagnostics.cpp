@@ -104,7 +104,6 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     pose[w] = simulation.walls().course(static_cast<int>(w)).pose(simulation.time());
   }
   double sums[16] = {};
-  std::vector<std::size_t> near;
   double deepest[2] = {0, 0};  // in a body, beyond a tank
   for (std::size_t i = 0; i < particles.water; ++i) {
     const Record& record = particles.record[i];
@@ -134,8 +133,7 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
     if (simulation.bodies() != nullptr) {
       const Bodies& bodies = *simulation.bodies();
       double depth = 0;
-      bodies.near(particles, simulation.neighbours().of_water(i), near);
-      for (const std::size_t b : near)
+      for (const std::uint32_t b : bodies.near(i))
         depth = std::max(depth, bodies.depth_in(b, coupling::Vec3(record.x[0], record.x[1], record.x[2])));
       sums[10] += depth > 0 ? 1 : 0;
       deepest[0] = std::max(deepest[0], depth);

@@ -94,7 +94,6 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
   const int first_body = walls_.count();
   loads_.reset(first_body + (bodies != nullptr ? bodies->count() : 0));
   std::vector<std::vector<Contact>> contacts_of_thread(threads());
-  std::vector<std::vector<std::size_t>> near_of_thread(threads());
   for_each(particles.water, [&](std::size_t i, int thread) {
     const NeighbourRange range = neighbours.of_water(i);
     if (range.middle == range.end) return;  // no solid near
@@ -107,9 +106,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       contacts.push_back({solid, normal, distance, approach, push(distance, approach)});
     };
     const Vec3 place(record.x[0], record.x[1], record.x[2]);
-    std::vector<std::size_t>& near = near_of_thread[thread];
-    if (bodies != nullptr) bodies->near(particles, range, near);
-    for (const std::size_t b : near) {
+    for (const std::uint32_t b : bodies != nullptr ? bodies->near(i) : std::span<const std::uint32_t>()) {
       const double distance = -bodies->depth_in(b, place);
       if (distance >= distance_) continue;
       const Vec3 normal = bodies->outward_normal(b, place);

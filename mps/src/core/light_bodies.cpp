@@ -102,7 +102,9 @@ void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighb
                ? Kernel<KernelKind::wendland>{1 / constants_.support}.gradient_weight(distance)
                : Kernel<KernelKind::rational>{1 / constants_.support}.gradient_weight(distance);
   };
-  for_each(particles.water, [&](std::size_t i, int thread) {
+  const std::vector<std::uint32_t>& nearby = bodies.water_nearby();
+  for_each(nearby.size(), [&](std::size_t n, int thread) {
+    const std::size_t i = nearby[n];
     const NeighbourRange range = neighbours.of_water(i);
     const Record& water = particles.record[i];
     for (auto k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {

@@ -230,6 +230,7 @@ void Simulation::find_neighbours(double time) {
   const Timer timer(phases_, Phase::search);
   if (bodies_) bodies_->resolve_owners(particles_);
   neighbours_.build(particles_, walls_, walls_.thin_walls(time));
+  if (bodies_) bodies_->note_water_nearby(particles_, neighbours_);
   if (openings_) openings_->list(particles_);
   displacements_.remember(particles_);
   lists_valid_ = true;
