@@ -27,6 +27,12 @@ Vec3d axis_normal(int axis, double sign) {
   return normal;
 }
 
+double square_distance(const Vec3d& a, const Vec3d& b) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
+  return sum;
+}
+
 }  // namespace
 
 Guard::Guard(const Scene& scene, const Constants& constants, const Walls& walls)
@@ -153,7 +159,8 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
       if (axis < 0 || nearest >= distance_) continue;
       add(w, strides[w].after.turn(axis_normal(axis, sign)), nearest, strides[w].velocity_of(zero));
     }
-    for (const int w : solids_) {
+    for (std::size_t k = 0; k < solids_.size(); ++k) {
+      const int w = solids_[k];
       const BoxRegion& region = scene_.walls[w].region;
       const Vec3d zero = strides[w].after.zero({record.x[0], record.x[1], record.x[2]});
       Vec3d local{}, normal{};
@@ -164,7 +171,11 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
         close = close && local[c] > region.lower[c] - distance_ && local[c] < region.upper[c] + distance_;
       }
       if (!close) continue;
+      Seen& seen = seen_[solids_.size() * i + k];
+      const double lacks = seen.distance - distance_;
+      if (lacks > 0 && square_distance(local, seen.place) < lacks * lacks) continue;
       const double distance = walls_.solid(w)->distance(local.data(), &normal);
+      seen = {local, distance};
       if (distance >= distance_) continue;
       add(w, strides[w].after.turn(normal), distance, strides[w].velocity_of(zero));
     }

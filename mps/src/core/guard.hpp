@@ -20,6 +20,8 @@ class Guard {
  public:
   Guard(const Scene& scene, const Constants& constants, const Walls& walls);
 
+  /// To be called when the own water has been put into another order: it has so many particles.
+  void forget(std::size_t water) { seen_.assign(solids_.size() * water, Seen{}); }
   /// Adds to the acceleration of the own water, sets `wall_loads` to the opposite forces (one per wall; torques about
   /// the origin), and adds those on bodies to `body_loads` (one per body of this rank; ignored without bodies). `time`
   /// is that of the positions.
@@ -42,6 +44,12 @@ class Guard {
   /// Adds the pushes to the acceleration and enlarges them until the next step ends outside all solids.
   void hold_outside(std::vector<Contact>& contacts, Triple& acceleration, double step) const;
 
+  /// Where the distance to a solid was last measured: what has moved by less than that lacks to the guarded distance
+  /// need not be measured again.
+  struct Seen {
+    Vec3d place{};  ///< at the wall's zero pose
+    double distance = -1e300;
+  };
   struct Face {  ///< of a tank: the water is on the side of increasing sign * x[axis]
     int wall;
     int axis;
@@ -51,6 +59,7 @@ class Guard {
   const Constants& constants_;
   const Walls& walls_;
   std::vector<int> solids_;  ///< walls that are neither tank nor box
+  std::vector<Seen> seen_;   ///< of each own water particle, of each of those
   std::vector<Face> faces_;
   std::vector<int> boxes_;
   const Scene& scene_;

@@ -231,6 +231,7 @@ void Simulation::find_neighbours(double time) {
   if (bodies_) bodies_->resolve_owners(particles_);
   neighbours_.build(particles_, walls_, walls_.thin_walls(time));
   if (bodies_) bodies_->note_water_nearby(particles_, neighbours_);
+  guard_.forget(particles_.water);
   if (openings_) openings_->list(particles_);
   displacements_.remember(particles_);
   lists_valid_ = true;

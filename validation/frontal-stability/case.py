@@ -1,0 +1,66 @@
+"""A floe 4 cm thick and 20 cm long that the current holds against a screen, 2-D: at which Froude number V/sqrt(g H) does it turn under?
+
+The screen stops ice, not water. The discharge grows slowly; V is discharge over level upstream, H that level, both in the second
+before the floe stands steeper than 30 degrees. Reference: pariset_frontal_stability.csv (a floe of specific gravity s = 0.917 whose
+upper face is drawn down to the water, V = (1 - t/H) sqrt(2 g t (1 - s))). Floes here are lighter, because a freeboard of
+less than one and a half particles is not resolved; their Froude numbers are compared by sqrt((1 - 0.917)/(1 - s)).
+"""
+
+import csv
+import math
+
+import numpy as np
+from validate import CaseError
+
+TITLE = "frontal stability: a floe turns under at a screen, 2-D, against Pariset"
+GRAVITY, THICKNESS, START, END = 9.81, 0.04, 4, 20  # [m/s2], [m], of the ramp [s]
+SLOWEST, FASTEST = 0.8, 1.3  # the ramp, in terms of Pariset's speed at the outlet's level
+# (level [m], specific gravity, l0 [m])
+FLOES = {"quick": [(0.2, 0.6, 0.01)]}
+FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01)]
+FLOES["full"] = [*FLOES["normal"], (0.2, 0.6, 0.005), (0.2, 0.8, 0.005)]
+REFERENCE_GRAVITY, RESOLVED = 0.917, 1.5  # of the reference; freeboard/l0 from which on the bar must be met
+
+
+def reference(context):
+    with (context.folder / "pariset_frontal_stability.csv").open() as stream:
+        rows = list(csv.reader(stream))[1:]
+    return np.array(rows, dtype=float).T
+
+
+def turned_under(run):
+    """(t, V, H) when the floe stands steeper than 30 degrees."""
+    body, gauge, inlet = ({name: np.array(values) for name, values in run.table(name).items()}
+                          for name in ("bodies.csv", "gauges/upstream.csv", "openings/inlet.csv"))
+    steep = np.degrees(2 * abs(np.arcsin(body["qz"]))) > 30
+    if not steep.any():
+        raise CaseError(f"{run.folder.name}: the floe did not turn under")
+    time = body["t"][steep][0]
+    before = (gauge["t"] > time - 1) & (gauge["t"] <= time)
+    level = gauge["level"][before].mean()
+    before = (inlet["t"] > time - 1) & (inlet["t"] <= time)
+    return time, np.polyfit(inlet["t"][before], inlet["volume"][before], 1)[0] / level, level
+
+
+def measure(context):
+    ratio, froude = reference(context)
+    panel = "frontal stability; t/H; V/sqrt(gH) as of s = 0.917"
+    context.curve(panel, "Pariset", ratio[ratio <= 0.6], froude[ratio <= 0.6], reference=True)
+    for level, gravity, distance in FLOES[context.effort]:
+        critical = (1 - THICKNESS / level) * math.sqrt(2 * GRAVITY * THICKNESS * (1 - gravity))
+        name = f"t/H {THICKNESS / level:.1f}, s {gravity}, {THICKNESS / distance:.0f} layers"
+        folder = context.results / context.case
+        folder.mkdir(parents=True, exist_ok=True)
+        ramp = folder / f"ramp-{level}-{gravity}.csv"
+        ramp.write_text(f"t [s], discharge [m3/s]\n{START}, {SLOWEST * critical * level}\n{END}, {FASTEST * critical * level}\n")
+        run = context.run(name.replace(", ", "-").replace(" ", "-").replace("/", ""), context.folder / "scene.toml",
+                          [f"parameters.level={level}", f"parameters.density={1000 * gravity}", f"parameters.l0={distance}",
+                           f"parameters.speed={SLOWEST * critical}", f"parameters.fastest={math.sqrt(2 * GRAVITY * level)}",
+                           f'parameters.ramp="{ramp}"', f"run.end_time={END}"])
+        time, speed, height = turned_under(run)
+        measured = speed / math.sqrt(GRAVITY * height) * math.sqrt((1 - REFERENCE_GRAVITY) / (1 - gravity))
+        expected = np.interp(THICKNESS / height, ratio, froude)
+        context.curve(panel, name, [THICKNESS / height], [measured], points=True)
+        freeboard = (1 - gravity) * THICKNESS / distance
+        yield run.bar(f"{name}: Froude number at which it turns under", 100 * (measured / expected - 1), -15, 15, "%",
+                      f"Pariset {expected:.4f} at t/H {THICKNESS / height:.3f}; freeboard {freeboard:.1f} l0", freeboard > RESOLVED)
