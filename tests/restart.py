@@ -249,6 +249,39 @@ class WallClock(EndedEarly):
         self.assertTrue((self.out / "checkpoint-previous.h5").exists())
 
 
+class Cluster(EndedEarly):
+    """tools/slurm/embacle.sbatch, with a scheduler that only writes down what it is told."""
+
+    def submit(self, *options, **environment):
+        commands = self.folder / "commands"
+        commands.mkdir(exist_ok=True)
+        (commands / "sbatch").write_text(f"#!/bin/sh\necho part $EMBACLE_PART: $@ >> {self.folder}/submitted\n")
+        (commands / "sbatch").chmod(0o755)
+        given = dict(support.environment(), PATH=f"{commands}:{os.environ['PATH']}", EMBACLE_ROOT=str(support.SOURCE),
+                     EMBACLE_MPIRUN="mpirun -q --oversubscribe -n 2", **environment)
+        script = support.SOURCE / "tools/slurm/embacle.sbatch"
+        return subprocess.run([script, self.scene, self.out, *options], env=given, capture_output=True, text=True)
+
+    def test_a_job_submits_its_continuation(self):
+        now = int(time.time())
+        done = self.submit(*ENDLESS, SLURM_JOB_END_TIME=str(now + 30), SLURM_JOB_START_TIME=str(now - 90),
+                           SLURM_JOB_NUM_NODES="2", SLURM_NTASKS_PER_NODE="4", EMBACLE_SPARE_SECONDS="27")
+        self.assertEqual(done.returncode, 5, done)
+        self.assertEqual((self.folder / "submitted").read_text().split(), [
+            "part", "2:", "--export=ALL", "--nodes=2", "--ntasks-per-node=4", "--time=2",
+            str(support.SOURCE / "tools/slurm/embacle.sbatch"), str(self.scene), str(self.out), *ENDLESS])
+        time_reached = read(self.checkpoint)["time"]
+        done = self.submit("--end-time", str(math.floor(time_reached * 1000 + 2) / 1000), EMBACLE_PART="2")
+        self.assertEqual(done.returncode, 0, done)
+        self.assertEqual(self.summary()["ended_by"], "end time")
+        self.assertEqual(len((self.folder / "submitted").read_text().splitlines()), 1)
+
+    def test_a_job_too_short_says_so(self):
+        done = self.submit(SLURM_JOB_END_TIME=str(int(time.time()) + 100))
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("leaves less than 600 s", done.stderr)
+
+
 class Signals(EndedEarly):
     def run_until_checkpoint(self, *arguments):
         shutil.rmtree(self.out, ignore_errors=True)

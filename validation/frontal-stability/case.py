@@ -3,7 +3,7 @@
 The screen stops ice, not water. The discharge grows slowly; V is discharge over level upstream, H that level, both in the second
 before the floe stands steeper than 30 degrees. Reference: pariset_frontal_stability.csv (a floe of specific gravity s = 0.917 whose
 upper face is drawn down to the water, V = (1 - t/H) sqrt(2 g t (1 - s))). Floes here are lighter, because a freeboard of
-less than one and a half particles is not resolved; their Froude numbers are compared by sqrt((1 - 0.917)/(1 - s)).
+less than about a particle is not resolved; their Froude numbers are compared by sqrt((1 - 0.917)/(1 - s)).
 """
 
 import csv
@@ -19,7 +19,7 @@ SLOWEST, FASTEST = 0.8, 1.3  # the ramp, in terms of Pariset's speed at the outl
 FLOES = {"quick": [(0.2, 0.6, 0.01)]}
 FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01)]
 FLOES["full"] = [*FLOES["normal"], (0.2, 0.6, 0.005), (0.2, 0.8, 0.005)]
-REFERENCE_GRAVITY, RESOLVED = 0.917, 1.5  # of the reference; freeboard/l0 from which on the bar must be met
+REFERENCE_GRAVITY, RESOLVED = 0.917, 0.75  # of the reference; freeboard/l0 from which on the bar must be met
 
 
 def reference(context):

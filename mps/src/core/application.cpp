@@ -34,6 +34,9 @@ constexpr int windows_per_epoch = 10;
 constexpr int windows_per_coupled_epoch = 50;
 /// Measured on a 2.4 GHz EPYC core: listed directed pairs per second, both sweeps; for the estimate of --check only.
 constexpr double pairs_per_second = 2.0e8;
+/// Measured: bytes of a particle while lists are built, beside the lists; of a process without particles
+/// (docs/scaling.md).
+constexpr double peak_bytes = 380, program_bytes = 5e7;
 
 double seconds_of(const std::string& option, const std::string& text) {
   try {
@@ -123,6 +126,8 @@ Options parse_options(int argc, char** argv, const std::string& program, const s
   app.add_option("--threads", threads,
                  "Threads of each rank for the water (default: OMP_NUM_THREADS, or 1 where that is not set)");
   app.add_flag("--check", check, "Read, validate, build the particles, print counts, memory, time step; run nothing");
+  app.add_option("--ranks", options.planned_ranks, "With --check: the number of ranks to estimate for")
+      ->check(CLI::Range(1, 1 << 20));
   app.add_flag("--explain", explain, "Which physics and modules the scene uses and leaves out");
   app.add_flag("--launch", launch, "Print what a launcher needs: the LIGGGHTS script and its variables");
   app.add_flag("--reference", reference, "Print the reference page of all scene keys (Markdown)");
@@ -173,17 +178,20 @@ std::string check_report(const Scene& scene, int ranks) {
   const double n = static_cast<double>(initial.water.size());
   const double seconds = steps * n * 2 * listed / pairs_per_second / ranks;
   const double bytes = n * (listed * 3 + 140) + static_cast<double>(initial.walls.size()) * 120;
+  const double at_most =
+      (n + static_cast<double>(initial.walls.size())) * (listed * 3.6 + peak_bytes) + ranks * program_bytes;
   std::string report = fmt::format(
       "{}: ok\n"
       "  water particles   {}\n  wall points       {}\n  solids            {}\n"
       "  particle distance {:g} m, support {:g} m ({} neighbours)\n"
       "  sound speed       {:.4g} m/s (reference speed {:.4g} m/s)\n"
       "  time step         {:.4g} s ({}), {:.0f} steps to {:g} s\n"
-      "  memory            {:.0f} MB\n  estimated run     {:.0f} s on {} rank{}\n",
+      "  memory            {:.0f} MB of particles and lists; of the processes at most {:.0f} MB\n"
+      "  estimated run     {:.0f} s on {} rank{}: {:.3g} core-hours for the water\n",
       scene.file.string(), initial.water.size(), initial.walls.size(),
       scene.coupled() ? "from " + scene.coupling.script.filename().string() : std::string("none"), c.particle_distance,
       c.support, c.lattice.neighbours, c.sound_speed, c.reference_speed, c.step, name_of(c.step_limit), steps,
-      scene.end_time, bytes * 1e-6, seconds, ranks, ranks == 1 ? "" : "s");
+      scene.end_time, bytes * 1e-6, at_most * 1e-6, seconds, ranks, ranks == 1 ? "" : "s", seconds * ranks / 3600);
   for (const std::string& warning : initial.warnings) report += "  warning: " + warning + "\n";
   return report;
 }

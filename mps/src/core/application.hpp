@@ -23,6 +23,7 @@ struct Options {
   std::filesystem::path restart;  ///< the checkpoint to continue from, or its folder; empty: from the start
   double wall_limit = 0;          ///< [s]; 0: none
   int threads = 1;                ///< of each rank
+  int planned_ranks = 0;          ///< for the estimates of a check; 0: as many as there are
 };
 
 /// How a run ended, on rank 0 of the water.
