@@ -20,6 +20,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Up to this the explicit load is accurate.
 constexpr double explicit_chi = 0.5;
+constexpr std::uint32_t no_point = 0xffffffff;
 
 Vector6 with_moment(const Vec3& arm, const Vec3& direction) {
   Vector6 result;
@@ -93,78 +94,93 @@ bool LightBodies::any() const {
   return std::ranges::any_of(light_, [](char light) { return light != 0; });
 }
 
-template <class Visit>
-void LightBodies::for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, bool first,
-                            const Visit& visit) const {
+void LightBodies::gather_points(const Particles& particles, const Bodies& bodies) {
+  points_.clear();
+  point_of_slot_.assign(reaction_slots(particles), no_point);
+  const auto gather = [&](std::size_t first, std::size_t last) {
+    for (std::size_t j = first; j < last; ++j) {
+      const Identity& identity = particles.identity[j];
+      if (identity.owner < first_owner_) continue;
+      const auto b = static_cast<std::size_t>(identity.owner - first_owner_);
+      const coupling::FluidBody& body = bodies.all()[b];
+      if (!light_[body.shape]) continue;
+      const double* x = particles.record[j].x;
+      point_of_slot_[reaction_slot(particles, j)] = static_cast<std::uint32_t>(points_.size());
+      points_.push_back({b, Vec3(x[0], x[1], x[2]) - body.state.position,
+                         body.state.orientation * normal_[body.shape][identity.point]});
+    }
+  };
+  gather(particles.water, particles.own());
+  gather(particles.ghost_solid_begin(), particles.all());
+}
+
+void LightBodies::gather_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
+                               bool first) {
   const double scale = constants_.gradient_factor / constants_.density;
   const auto weight = [&](double distance) {
     return constants_.kernel == KernelKind::wendland
                ? Kernel<KernelKind::wendland>{1 / constants_.support}.gradient_weight(distance)
                : Kernel<KernelKind::rational>{1 / constants_.support}.gradient_weight(distance);
   };
+  pairs_.resize(threads());
+  for (auto& found : pairs_) found.clear();
+  sums_.reset(points_.size());
   const std::vector<std::uint32_t>& nearby = bodies.water_nearby();
   for_each(nearby.size(), [&](std::size_t n, int thread) {
-    const std::size_t i = nearby[n];
-    const NeighbourRange range = neighbours.of_water(i);
+    const std::uint32_t i = nearby[n];
     const Record& water = particles.record[i];
+    const NeighbourRange range = neighbours.of_water(i);
     for (auto k = range.middle; k < range.end && *k != particles.sentinel(); ++k) {
-      const Identity& identity = particles.identity[*k];
-      if (identity.owner < first_owner_) continue;
-      const auto b = static_cast<std::size_t>(identity.owner - first_owner_);
-      const coupling::FluidBody& body = bodies.all()[b];
-      if (!light_[body.shape]) continue;
+      const std::uint32_t number = point_of_slot_[reaction_slot(particles, *k)];
+      if (number == no_point) continue;
       const Record& point = particles.record[*k];
       Vec3 away = Vec3::Zero(), approach = Vec3::Zero();
       for (int c = 0; c < constants_.dimension; ++c) {
         away[c] = water.x[c] - point.x[c];
         approach[c] = point.v[c] - water.v[c];
       }
-      const double distance = away.norm();
-      if (distance >= constants_.support) continue;
-      Pair pair;
-      pair.body = b;
-      const double now = weight(distance);
-      pair.per_dp = scale * now * away;
-      pair.arm = Vec3(point.x[0], point.x[1], point.x[2]) - body.state.position;
-      pair.normal = body.state.orientation * normal_[body.shape][identity.point];
-      if (pair.normal.dot(away) < 0) pair.normal = -pair.normal;  // a plate of one layer has water on both sides
+      const double square = away.squaredNorm();
+      if (square >= constants_.support * constants_.support) continue;
+      const double distance = std::sqrt(square), now = weight(distance);
+      const Vec3& normal = points_[number].normal;
+      const double side = normal.dot(away) < 0 ? -1 : 1;
       const double before = distance + constants_.step * approach.dot(away) / distance;  // a step ago
       const double growth = first ? 1.0 : 1 - weight(before) * before / (now * distance);
-      pair.taken_up = std::max(0.0, growth) / constants_.step * approach.dot(pair.normal);
-      visit(i, thread, pair);
+      const double taken_up = std::max(0.0, growth) / constants_.step * side * approach.dot(normal);
+      const Vec3 per_dp = scale * now * away;
+      pairs_[thread].push_back({i, number, {per_dp[0], per_dp[1], per_dp[2]}, side, taken_up});
+      std::array<double, 6>& sum = sums_.of_thread(thread)[number];
+      for (int c = 0; c < 3; ++c) {
+        sum[c] += side * per_dp[c];
+        sum[3 + c] += taken_up * per_dp[c];
+      }
     }
   });
+  sums_.join();
 }
 
 void LightBodies::apply(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies,
                         coupling::FluidLink& link, double horizon, bool first, std::vector<Triple>& acceleration,
-                        std::vector<Load>& load) const {
+                        std::vector<Load>& load) {
   const std::size_t count = bodies.count();
   const double mass = constants_.particle_mass;
+  gather_points(particles, bodies);
+  gather_pairs(particles, neighbours, bodies, first);
 
   // F, H and G of each body, over all ranks: 6 + 6 + 36 numbers.
-  struct Sums {
-    Vector6 taken_up = Vector6::Zero();
-    Matrix6 matrix = Matrix6::Zero();
-  };
-  std::vector<std::vector<Sums>> parts(threads(), std::vector<Sums>(count));
-  for_pairs(particles, neighbours, bodies, first, [&](std::size_t, int thread, const Pair& pair) {
-    const Vector6 push = mass * with_moment(pair.arm, pair.per_dp);
-    parts[thread][pair.body].taken_up += pair.taken_up * push;
-    parts[thread][pair.body].matrix += push * with_moment(pair.arm, pair.normal).transpose();
-  });
   constexpr int numbers = 48;
-  std::vector<double> sums(numbers * count);
+  std::vector<double> sums(numbers * count, 0.0);
   for (std::size_t b = 0; b < count; ++b) {
-    Eigen::Map<Vector6> whole(&sums[numbers * b]), taken_up(&sums[numbers * b + 6]);
-    Eigen::Map<Matrix6> matrix(&sums[numbers * b + 12]);
-    whole << load[b].force, load[b].torque;
-    taken_up.setZero();
-    matrix.setZero();
-    for (const auto& part : parts) {
-      taken_up += part[b].taken_up;
-      matrix += part[b].matrix;
-    }
+    Eigen::Map<Vector6>(&sums[numbers * b]) << load[b].force, load[b].torque;
+  }
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const Point& point = points_[p];
+    const std::array<double, 6>& sum = sums_.total()[p];
+    Eigen::Map<Vector6> taken_up(&sums[numbers * point.body + 6]);
+    Eigen::Map<Matrix6> matrix(&sums[numbers * point.body + 12]);
+    taken_up += mass * with_moment(point.arm, Vec3(sum[3], sum[4], sum[5]));
+    matrix +=
+        mass * with_moment(point.arm, Vec3(sum[0], sum[1], sum[2])) * with_moment(point.arm, point.normal).transpose();
   }
   link.sum_over_sharers(sums, numbers);
 
@@ -187,19 +203,29 @@ void LightBodies::apply(const Particles& particles, const Neighbours& neighbours
     yields[b] = {k, (inertia + k * matrix).partialPivLu().solve(push)};
   }
 
-  std::vector<std::vector<Vector6>> reactions(threads(), std::vector<Vector6>(count, Vector6::Zero()));
-  for_pairs(particles, neighbours, bodies, first, [&](std::size_t i, int thread, const Pair& pair) {
-    const Yield& yield = yields[pair.body];
-    const double dp = yield.k * (yield.acceleration.dot(with_moment(pair.arm, pair.normal)) + pair.taken_up);
-    const Vec3 change = dp * pair.per_dp;
-    for (int c = 0; c < constants_.dimension; ++c) acceleration[i][c] += change[c];
-    reactions[thread][pair.body] -= mass * with_moment(pair.arm, change);
-  });
-  for (std::size_t b = 0; b < count; ++b) {
-    for (const auto& part : reactions) {
-      load[b].force += part[b].head<3>();
-      load[b].torque += part[b].tail<3>();
+  // dp on the water and, opposite, on the points.
+  std::vector<double> along(points_.size());  // k times the acceleration of each point along its normal
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const Point& point = points_[p];
+    along[p] = yields[point.body].k * yields[point.body].acceleration.dot(with_moment(point.arm, point.normal));
+  }
+  pushes_.reset(points_.size());
+  in_every_thread([&](int thread) {
+    Triple* const pushes = pushes_.of_thread(thread);
+    for (const Pair& pair : pairs_[thread]) {
+      const double k = yields[points_[pair.point].body].k;
+      const double dp = pair.side * along[pair.point] + k * pair.taken_up;
+      for (int c = 0; c < 3; ++c) {
+        acceleration[pair.water][c] += dp * pair.per_dp[c];
+        pushes[pair.point][c] += dp * pair.per_dp[c];
+      }
     }
+  });
+  pushes_.join();
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const Triple& push = pushes_.total()[p];
+    const Vec3 force = -mass * Vec3(push[0], push[1], push[2]);
+    load[points_[p].body] += {force, points_[p].arm.cross(force)};
   }
 }
 

@@ -1,7 +1,8 @@
 // Bodies so light that the water's push must know how they yield to it within the step.
 #pragma once
 
-#include <span>
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "core/bodies.hpp"
@@ -41,27 +42,37 @@ class LightBodies {
   /// Adds dp to the acceleration [m/s^2] of the own water and to this rank's part of the load on each body. `horizon`:
   /// T [s] of this step; `first`: of a run. Exchanges messages between the fluid ranks that share bodies.
   void apply(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, coupling::FluidLink& link,
-             double horizon, bool first, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load) const;
+             double horizon, bool first, std::vector<Triple>& acceleration, std::vector<coupling::Load>& load);
 
  private:
-  /// Own water and a light body's point within the support.
-  struct Pair {
-    std::size_t body = 0;
-    coupling::Vec3 per_dp;  ///< acceleration of the water for a unit of dp
-    coupling::Vec3 arm;     ///< of the point, from the body's centre [m]
-    coupling::Vec3 normal;  ///< outward, on the side of the water
-    double taken_up = 0;    ///< growth of the weight in a unit of time, times the normal approach [m/s^2]
+  /// A point of a light body, own or ghost.
+  struct Point {
+    std::size_t body;
+    coupling::Vec3 arm;     ///< from the body's centre [m]
+    coupling::Vec3 normal;  ///< outward
   };
-  /// Calls `visit(i, thread, pair)` for each pair with own water i.
-  template <class Visit>
-  void for_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, bool first,
-                 const Visit& visit) const;
+  /// Own water and a point within the support.
+  struct Pair {
+    std::uint32_t water, point;
+    Vec3d per_dp;     ///< acceleration of the water for a unit of dp
+    double side;      ///< -1 behind the point: a plate of one layer has water on both sides; else 1
+    double taken_up;  ///< growth of the weight in a unit of time, times the approach along the normal [m/s^2]
+  };
+  void gather_points(const Particles& particles, const Bodies& bodies);
+  /// Finds the pairs and sums over those of each point: side times per_dp, taken_up times per_dp.
+  void gather_pairs(const Particles& particles, const Neighbours& neighbours, const Bodies& bodies, bool first);
 
   const Constants& constants_;
   int first_owner_;
   double largest_chi_ = 0;
   std::vector<char> light_;
   std::vector<std::vector<coupling::Vec3>> normal_;  ///< of each light shape's points, outward, in the body frame
+  // Of the step, kept for their room.
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> point_of_slot_;  ///< of each solid point, by reaction_slot()
+  std::vector<std::vector<Pair>> pairs_;      ///< as each thread found them
+  ThreadSums<std::array<double, 6>> sums_;    ///< of each point
+  ThreadSums<Triple> pushes_;                 ///< likewise
 };
 
 }  // namespace embacle::mps
