@@ -18,6 +18,10 @@ constexpr double window_length = 8;
 constexpr double smoothing = 2;
 /// Least velocity in the zone of an outflow, of its mean: slower water would stay.
 constexpr double least_share = 0.2;
+/// Between two exchanges the fastest water goes this part of a particle distance, unless so many steps are fewer. Odd,
+/// so that no number of steps meets it and rounding decides.
+constexpr double part_of_distance = 0.2437, fastest_of_profile = 1.5;
+constexpr int most_steps = 50;
 /// By which the density ratio of water that enters the zone of an outflow may differ from 1.
 constexpr double largest_change = 0.03;
 
@@ -298,18 +302,39 @@ void Openings::exchange(std::vector<Traveller>& water, double time, const Decomp
   });
   time_ = time;
   measure(water, passed);
+  choose_interval();
 }
 
-void Openings::list(const Particles& particles) {
+/// Until the water has gone a part of its distance, or for some steps.
+void Openings::choose_interval() {
+  double fastest = 0;
+  for (const State& state : states_) fastest = std::max(fastest, fastest_of_profile * state.speed);
+  const double longest = most_steps * constants_.step;
+  const double way = part_of_distance * constants_.particle_distance;
+  interval_ = fastest * longest > way ? way / fastest : longest;
+}
+
+void Openings::list(Particles& particles, bool exchanged) {
   driven_.clear();
+  if (!exchanged) {
+    for (std::uint32_t i = 0; i < particles.water; ++i) {
+      if (particles.identity[i].point == 0) continue;
+      const std::int32_t opening = particles.identity[i].point - 1;
+      const Record& record = particles.record[i];  // as drive() left it
+      driven_.push_back({i, opening, sign(opening) * record.v[axis(opening)], record.s});
+    }
+    return;
+  }
   std::vector<double> sums(2 * count());
   for (std::uint32_t i = 0; i < particles.water; ++i) {
     const Record& record = particles.record[i];
+    particles.identity[i].point = 0;
     for (std::size_t k = 0; k < count(); ++k) {
       if (scene_.openings[k].kind == Opening::Kind::drain || !in_zone(k, record.x)) continue;
       const double own = sign(k) * record.v[axis(k)];
       const double s = std::clamp(record.s, 1 - largest_change, 1 + largest_change);
       driven_.push_back({i, static_cast<std::int32_t>(k), own, s});
+      particles.identity[i].point = static_cast<std::int32_t>(k) + 1;
       sums[2 * k] += own;
       sums[2 * k + 1] += 1;
       break;

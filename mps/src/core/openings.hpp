@@ -21,7 +21,8 @@ namespace embacle::mps {
 /// mean velocity follows the level upstream of the zone, so that long waves go out (after Flather 1976). What has
 /// passed the zone is taken away, as is what enters a drain.
 ///
-/// Particles enter and leave when lists are built: between two builds the zones are a list of particles.
+/// Particles enter and leave now and then, when they are due: the same on any number of ranks, which do not build their
+/// lists at the same steps. Between two exchanges the same particles are driven.
 class Openings {
  public:
   /// Collective.
@@ -32,11 +33,16 @@ class Openings {
   /// At the start: replaces the water in the zones of inflows by their rows. `next_id`: first identity that is free.
   /// Collective.
   void start(std::vector<Traveller>& water, std::int64_t next_id, int rank, int size);
+  /// Whether the next build of lists goes with an exchange.
+  [[nodiscard]] bool due(double time) const { return time - time_ >= interval_; }
+  /// Makes the next exchange due at once, as after a restart.
+  void hasten() { interval_ = 0; }
   /// Measures the levels, sets the velocities until the next call, adds what has entered since the last one to the rank
   /// that owns the place, and drops what has left. Collective.
   void exchange(std::vector<Traveller>& water, double time, const Decomposition& decomposition);
-  /// Notes which of the own water is in zones, after it was sorted. Collective.
-  void list(const Particles& particles);
+  /// Notes which of the own water is driven, after it was sorted: what is in the zones if there was an exchange
+  /// (collective), else what was driven before.
+  void list(Particles& particles, bool exchanged);
   /// Sets the velocities of what was listed, in place of those that the forces have made in a step.
   void drive(Particles& particles) const;
 
@@ -85,6 +91,7 @@ class Openings {
   [[nodiscard]] double level_of(std::size_t k, double area) const;
   [[nodiscard]] double share(std::size_t k, const Row& row) const;
   [[nodiscard]] double profile(std::size_t k, const double* x) const;
+  void choose_interval();
   void measure(const std::vector<Traveller>& water, double passed_time);
   void set_inflow(std::size_t k, double measured, double passed_time);
   void set_outflow(std::size_t k, double measured, double mean_speed, double passed_time);
@@ -97,7 +104,8 @@ class Openings {
   std::vector<State> states_;
   std::vector<Driven> driven_;
   std::int64_t next_id_ = 0;
-  double time_ = 0;  ///< of the last exchange [s]
+  double time_ = 0;      ///< of the last exchange [s]
+  double interval_ = 0;  ///< to the next [s]
 };
 
 }  // namespace embacle::mps

@@ -49,7 +49,9 @@ struct Identity {
   std::int64_t id = 0;  ///< unique over all ranks for water; walls likewise; body points: -1
   std::int32_t owner =
       -1;  ///< water: -1; walls: index of the wall; body points: number of walls + index of the body on this rank
-  std::int32_t point = 0;  ///< body points: index into the shape's points; walls: side (see Wall sides)
+  /// Body points: index into the shape's points; walls: side (see Wall sides); water: 1 + the opening that drives it, or
+  /// 0.
+  std::int32_t point = 0;
 };
 
 /// A particle as it travels between ranks.

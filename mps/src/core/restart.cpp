@@ -76,6 +76,7 @@ void Simulation::save(CheckpointContent& content) {
   }
   just_saved_ = true;
   lists_valid_ = false;
+  if (openings_) openings_->hasten();
   int size = 1;
   MPI_Comm_size(comm_, &size);
   content.numbers["time"] = time_;

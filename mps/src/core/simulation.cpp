@@ -154,7 +154,8 @@ void Simulation::synchronise() {
   if (lists_valid_) {
     const Timer timer(phases_, Phase::search);
     // Dry points of a wall stand in no list: what they have moved counts as well.
-    stale = displacements_.lists_hold(particles_) && wall_travel_ <= constants_.skin ? 0 : 1;
+    const bool hold = displacements_.lists_hold(particles_) && wall_travel_ <= constants_.skin;
+    stale = hold && !(openings_ && openings_->due(time_ + constants_.step)) ? 0 : 1;
   }
   const Timer timer(phases_, Phase::synchronisation);
   // Agreed by one reduction: whether any lists are stale, the lowest rank that has found a failure, the largest
@@ -194,6 +195,7 @@ void Simulation::confirm() const {
 void Simulation::find_neighbours(double time) {
   const double reach =
       Displacements::reach(constants_.support, constants_.skin) + tie_offset * constants_.particle_distance;
+  const bool exchanged = openings_ && openings_->due(time);
   std::vector<Traveller> solid;
   if (wall_density_) wall_density_->keep(particles_);
   {
@@ -202,7 +204,7 @@ void Simulation::find_neighbours(double time) {
     if (constants_.periodic.any()) {
       for (Traveller& traveller : water) constants_.periodic.wrap(traveller.record.x);
     }
-    if (openings_) openings_->exchange(water, time, decomposition_);
+    if (exchanged) openings_->exchange(water, time, decomposition_);
     halo_.migrate(decomposition_, reach, anywhere_, water);
     place_wall_points(time);
     if (anywhere_ || walls_.any_moves()) migrate_wall_points(reach);
@@ -232,7 +234,7 @@ void Simulation::find_neighbours(double time) {
   neighbours_.build(particles_, walls_, walls_.thin_walls(time));
   if (bodies_) bodies_->note_water_nearby(particles_, neighbours_);
   guard_.forget(particles_.water);
-  if (openings_) openings_->list(particles_);
+  if (openings_) openings_->list(particles_, exchanged);
   displacements_.remember(particles_);
   lists_valid_ = true;
   built_at_ = time;
