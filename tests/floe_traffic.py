@@ -78,9 +78,11 @@ class FloeTraffic(support.SceneTest):
                 tracks = self.tracks()
                 self.assertEqual(sorted(tracks), sorted(expected))
                 for tag, track in tracks.items():
-                    for (time, x), (other_time, other_x) in zip(track[:5], expected[tag]):
+                    self.assertEqual(len(track), len(expected[tag]))
+                    for (time, x), (other_time, other_x) in zip(track, expected[tag]):
                         self.assertEqual(time, other_time)
-                        self.assertAlmostEqual(x, other_x, delta=2e-3)  # chaos of the water has time to grow
+                        # The third floe falls between the others at 0.21 s; what rounding did then grows.
+                        self.assertAlmostEqual(x, other_x, delta=1e-12 if time < 0.21 else 2e-3)
 
     def test_a_run_goes_on_from_a_checkpoint_as_if_it_had_not_stopped(self):
         for ranks in (1, 2):

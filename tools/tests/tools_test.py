@@ -20,6 +20,7 @@ sys.path.insert(0, str(TOOLS))
 import matplotlib.pyplot as plt  # noqa: E402
 import floes  # noqa: E402
 import paths  # noqa: E402
+import reach  # noqa: E402
 import pictures  # noqa: E402
 import run_folder  # noqa: E402
 import scheme_table  # noqa: E402 (makes validation/ known)
@@ -76,6 +77,87 @@ def make_run(folder, dimension=3, shape=None):
 
 def run(script, *arguments):
     return subprocess.run([sys.executable, TOOLS / script, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+class Reach(unittest.TestCase):
+    """Grounds of reaches: closed surfaces of the right volume, and errors that say what is allowed."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.file = self.folder / "ground.stl"
+
+    def make(self, *options):
+        with contextlib.redirect_stdout(io.StringIO()) as output:
+            reach.main([*map(str, options), "--out", str(self.file)])
+        self.assertGreater((self.folder / "ground.png").stat().st_size, 1000)
+        return output.getvalue()
+
+    def triangles(self, path):
+        data = np.fromfile(path, dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")], offset=84)
+        edges = set()
+        for corners in data["corners"]:
+            a, b, c = (tuple(map(float, corner)) for corner in corners)
+            for edge in ((a, b), (b, c), (c, a)):
+                self.assertNotIn(edge, edges)
+                edges.add(edge)
+        for a, b in edges:
+            self.assertIn((b, a), edges, "an edge belongs to two triangles of opposite sense")
+        return data["corners"].astype(float)
+
+    def test_a_trapezoidal_channel_has_the_volumes_of_its_sections(self):
+        self.make("channel", "--path", "straight 2", "--width", 0.4, "--height", 0.3, "--bank-slope", 1, "--depth", 0.1,
+                  "--thickness", 0.1)
+        ground = self.triangles(self.file)
+        self.assertAlmostEqual(reach.volume(ground), 2.2 * (1.2 * 0.4 - 0.5 * (0.4 + 1.0) * 0.3), places=6)
+        np.testing.assert_allclose([ground.min(axis=(0, 1)), ground.max(axis=(0, 1))], [[-0.1, -0.6, -0.1], [2.1, 0.6, 0.3]], atol=1e-6)
+        self.assertAlmostEqual(reach.volume(self.triangles(self.folder / "ground-water.stl")), 2 * 0.5 * (0.4 + 0.6) * 0.1, places=6)
+
+    def test_bends_sills_and_contractions_are_closed(self):
+        said = self.make("channel", "--path", "straight 1; left 90 radius 1; right 30 radius 2; straight 0.5", "--width", 0.4,
+                         "--height", 0.3, "--sill", 0.5, 0.6, 0.05, "--contraction", 2.5, 1, 0.3, "--slope", 0.01, "--depth", 0.2)
+        self.assertIn("heading 60 degrees", said)
+        self.assertGreater(reach.volume(self.triangles(self.file)), 0)
+        water = self.triangles(self.folder / "ground-water.stl")
+        # Pappus: the section times the way of its middle, less what sill and contraction take.
+        length = 1 + 0.5 * np.pi + np.pi / 3 + 0.5
+        self.assertLess(reach.volume(water), 0.08 * length)
+        self.assertGreater(reach.volume(water), 0.08 * length - 0.4 * 0.05 * 0.6 - 0.1 * 0.2 * 1)
+
+    def test_a_raster_is_closed_and_keeps_its_heights(self):
+        heights = np.array([[5.0, 6, 7, 8], [4, 3, 2, 9], [1, -9999, 3, 4]])  # from north to south
+        grid = self.folder / "ground.asc"
+        grid.write_text("ncols 4\nnrows 3\nxllcorner 100\nyllcorner 50\ncellsize 2\nNODATA_value -9999\n"
+                        + "\n".join(" ".join(map(str, row)) for row in heights) + "\n")
+        self.make("raster", grid, "--nodata", 2, "--scale", 0.5, "--thickness", 1)
+        ground = self.triangles(self.file)
+        corners = {tuple(np.round(corner, 5)) for corner in ground.reshape(-1, 3)}
+        for row, line in enumerate(heights[::-1]):
+            for column, height in enumerate(line):
+                height = 0.5 * ((2 if height == -9999 else height) - 1)
+                self.assertIn((column, row, height), corners)
+        self.make("raster", grid, "--window", 100, 50, 106, 56, "--every", 2)
+        self.assertEqual(np.ptp(self.triangles(self.file)[:, :, 0]), 4)
+
+    def test_mistakes_are_named(self):
+        grid = self.folder / "ground.asc"
+        channel = ("channel", "--width", 0.4, "--height", 0.3, "--path")
+        grid.write_text("ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n")
+        for options, message in (
+                ((*channel, "straight 1; left 90"), "'left 90' is not a part of a path; allowed: straight LENGTH"),
+                ((*channel, "left 90 radius 0.2"), "too tight"),
+                ((*channel, "straight 1", "--depth", 0.4), "below the banks"),
+                ((*channel, "straight 1", "--sill", 0.5, 0.5, 0.4), "closes the channel"),
+                (("raster", grid), "the header lacks 'xllcenter'"),
+                (("raster", self.folder / "none.asc"), "there is no file")):
+            with self.subTest(message=message), self.assertRaisesRegex(run_folder.RunFolderError, message):
+                reach.main([*map(str, options), "--out", str(self.file)])
+        text = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 "
+        for rest, message in (("x", "ground.asc:7: a height is not a number"), ("", "3 heights; allowed: nrows times ncols, 4")):
+            grid.write_text(text + rest + "\n")
+            with self.assertRaisesRegex(run_folder.RunFolderError, message):
+                reach.main(["raster", str(grid), "--out", str(self.file)])
 
 
 class RunTest(unittest.TestCase):
