@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Pictures of a run: the water, the bodies and the walls from the front, as in laboratory photographs, and from above.
+"""Pictures and films of a run, drawn off-screen: ./embacle render RUN OPTIONS. The water, the bodies and the walls from the
+front, as in laboratory photographs, and from above, or from any camera.
 
 Writes RUN/pictures/<time>s.png, one for each time of the scene's `pictures` (without these: up to 12 frames),
 contact-sheet.png, and a film of the same views if one is asked for.
@@ -16,12 +17,14 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.patches import Ellipse, Polygon, Rectangle
+from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from run_folder import Bodies, Frames, RunFolderError, body_names, program, read_shapes, up_axis, wall_angle, wall_box
 
 WATER = LinearSegmentedColormap.from_list("water", ["#14467f", "#1f6fb2", "#4aa1d2", "#8dcde0", "#d0ebd6", "#fae48f"])
-ICE, EDGE, GATE = np.array([0.97, 0.955, 0.92]), "#3b2f20", "#6e6e6e"
+ICE, CONCRETE, EARTH = np.array([0.97, 0.955, 0.92]), np.array([0.62, 0.62, 0.6]), np.array([0.80, 0.74, 0.62])
+EDGE, GATE = "#3b2f20", "#6e6e6e"
 WIDTH, DPI = 8.0, 160  # of the front view [inch], and its resolution
 
 
@@ -34,8 +37,18 @@ class View:
     def __call__(self, points):
         return np.asarray(points, dtype=float) @ self.axes.T
 
+    @classmethod
+    def camera(cls, azimuth, elevation, up):
+        """From a place in the direction of the azimuth (degrees from the second axis backwards to the right: 0 is the front)
+        and that far over the horizon, for an `up` along one of the axes."""
+        front = View(*up)
+        a, e = np.radians([azimuth, elevation])
+        right = np.cos(a) * front.axes[0] + np.sin(a) * -front.axes[2]
+        towards = np.cos(e) * np.cross(right, front.axes[1]) + np.sin(e) * front.axes[1]
+        return cls(right, np.cross(towards, right))
+
     def box(self, lower, upper):
-        corners = self(np.array([lower, upper]))
+        corners = self(np.array([[(lower, upper)[k >> c & 1][c] for c in range(3)] for k in range(8)]))
         return corners.min(axis=0), corners.max(axis=0)
 
 
@@ -126,12 +139,18 @@ class Scene:
         self.flat = self.shapes.get("dimension") == 2
         self.l0 = float(self.shapes["particle_distance"])
         self.front, self.above = views(self.shapes)
+        self.camera = None  # instead of both
         tanks = [wall for wall in self.shapes.get("walls", []) if wall["kind"] == "tank"]
         bounds = tanks or [self.shapes["domain"]]
         self.lower = np.min([wall["lower"] for wall in bounds], axis=0)
         self.upper = np.max([wall["upper"] for wall in bounds], axis=0)
         meshes = [faces_of(shape) for shape in self.shapes.get("shapes", [])]
         smooth = [shape["kind"] == "sphere" for shape in self.shapes.get("shapes", [])]
+        # Walls that a camera sees as solids: (wall, faces about the middle of its box).
+        self.solid_walls = [(wall, faces_of({"kind": "box", "size": np.subtract(wall["upper"], wall["lower"])}))
+                            for wall in self.shapes.get("walls", []) if wall["kind"] == "box" and "angles" not in wall]
+        self.grounds = [np.array(wall["triangles"], dtype=float).reshape(-1, 3, 3)
+                        for wall in self.shapes.get("walls", []) if "triangles" in wall]
         self.meshes = {body["tag"]: (meshes[body["shape"]], smooth[body["shape"]])
                        for body in self.shapes.get("bodies", [])}
 
@@ -160,16 +179,21 @@ def visible(points, l0):
 
 
 def draw_bodies(axes, scene, view, time):
-    """Draws the bodies as solids; returns their depths, by which the water is layered around them."""
+    """Draws the bodies as solids, and before a camera walls of kind box; returns their depths, by which the water is layered
+    around them, and the faces that look at the viewer."""
     light = np.array([-0.25, 0.57, 0.78])
-    placed = []
+    placed, fronts = [], []
+    if view is scene.camera:
+        for wall, mesh in scene.solid_walls:
+            middle = np.mean(wall_box(wall, time), axis=0)
+            placed.append((view(middle), (middle, np.eye(3)), mesh))
     for tag in scene.bodies.tags:
         pose = scene.bodies.pose(tag, time)
         if pose is not None and tag in scene.meshes:
             placed.append((view(pose[0]), pose, tag))
     placed.sort(key=lambda item: item[0][2])
     for layer, (centre, (position, turned), tag) in enumerate(placed):
-        mesh, smooth = scene.meshes[tag]
+        mesh, smooth, colour = (*scene.meshes[tag], ICE) if isinstance(tag, int) else (tag, False, CONCRETE)
         polygons, colours = [], []
         for face in mesh:
             corners = view(face @ turned.T + position)
@@ -177,27 +201,45 @@ def draw_bodies(axes, scene, view, time):
             length = np.linalg.norm(normal)
             if length > 0 and normal[2] > 1e-9 * length:
                 polygons.append(corners[:, :2])
-                colours.append(np.minimum(ICE * (0.74 + 0.34 * max(0.0, normal @ light / length)), 1))
+                fronts.append(corners)
+                colours.append(np.minimum(colour * (0.74 + 0.34 * max(0.0, normal @ light / length)), 1))
         edges = colours if smooth else EDGE
         axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=0.7,
                                            joinstyle="round", zorder=10 + 2 * layer))
-        if not smooth:  # what the water hides still shows as a faint outline
+        if not smooth and view is not scene.camera:  # what the water hides still shows as a faint outline
             outline = hull(np.concatenate(polygons))
             axes.add_collection(PolyCollection([outline], facecolors="none", edgecolors="white", linewidths=0.5,
                                                linestyles=(0, (4, 2)), alpha=0.7, zorder=9000))
         behind = any(np.hypot(*(nearer[:2] - centre[:2])) < 0.03 * np.ptp(axes.get_xlim())
                      for nearer, _, _ in placed[layer + 1:])
-        if len(placed) <= 40 and not behind:
+        if len(placed) <= 40 and not behind and isinstance(tag, int):
             axes.text(centre[0], centre[1], scene.names[tag], ha="center", va="center", fontsize=7.5, weight="bold",
                       color="#7a1f12", zorder=9002, clip_on=True,
                       path_effects=[effects.withStroke(linewidth=2, foreground="white")])
-    return [centre[2] for centre, _, _ in placed]
+    return [centre[2] for centre, _, _ in placed], fronts
 
 
-def draw_water(axes, scene, view, position, value, norm, depths):
-    """Draws the particles in layers between the bodies, far to near; `depths` of the bodies, sorted."""
+def hidden(points, fronts, margin):
+    """Which points (in view coordinates) are behind a face by more than the margin."""
+    result = np.zeros(len(points), dtype=bool)
+    for face in fronts:
+        near = np.flatnonzero(np.all((points[:, :2] >= face[:, :2].min(axis=0)) & (points[:, :2] <= face[:, :2].max(axis=0)), axis=1))
+        if not len(near):
+            continue
+        near = near[Path(face[:, :2]).contains_points(points[near, :2])]
+        normal = np.cross(face[1] - face[0], face[2] - face[1])
+        depth = face[0, 2] - (points[near, :2] - face[0, :2]) @ normal[:2] / normal[2]
+        result[near[points[near, 2] < depth - margin]] = True
+    return result
+
+
+def draw_water(axes, scene, view, position, value, norm, depths, fronts):
+    """Draws the particles in layers between the bodies, far to near; `depths` of the bodies, sorted. Before a camera, less what
+    faces hide (`fronts`)."""
     points = view(position)
     order = visible(points, scene.l0)
+    if view is scene.camera:
+        order = order[~hidden(points[order], fronts, 0.3 * scene.l0)]
     points, colours = points[order], WATER(norm(value[order]))
     if len(points):
         depth = (points[:, 2].max() - points[:, 2]) / max(np.ptp(view.box(scene.lower, scene.upper), axis=0)[2], scene.l0)
@@ -237,7 +279,39 @@ def wall_turn(wall, view, time):
     return Affine2D().rotate_around(pivot[0], pivot[1], np.sign(along) * wall_angle(wall, time))
 
 
+def draw_grounds(axes, scene, view):
+    """What of the walls of triangles looks at the viewer, below all else."""
+    for triangles in scene.grounds:
+        corners = view(triangles)
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        seen = np.flatnonzero(normal[:, 2] > 1e-6)
+        seen = seen[np.argsort(corners[seen, :, 2].mean(axis=1))]
+        shade = 0.7 + 0.3 * np.clip(normal[seen] @ [-0.25, 0.57, 0.78], 0, 1)
+        axes.add_collection(PolyCollection(corners[seen][:, :, :2], facecolors=shade[:, None] * EARTH, edgecolors="face",
+                                           linewidths=0.4, zorder=1))
+
+
+def draw_tanks(axes, scene, view, time):
+    """The edges of tanks, before a camera."""
+    for wall in scene.shapes.get("walls", []):
+        if wall["kind"] != "tank":
+            continue
+        lower, upper = wall_box(wall, time)
+        corners = view([[(lower, upper)[k >> c & 1][c] for c in range(3)] for k in range(8)])
+        hidden = int(np.argmin(corners[:, 2]))
+        for k in range(8):
+            for c in range(3):
+                if not k >> c & 1:
+                    far = hidden in (k, k | 1 << c)
+                    axes.plot(*corners[[k, k | 1 << c], :2].T, color="#777777", linewidth=0.8, zorder=2 if far else 9500)
+
+
 def draw_walls(axes, scene, view, time):
+    draw_grounds(axes, scene, view)
+    if view is scene.camera:
+        draw_tanks(axes, scene, view, time)
+        return
     for wall in scene.shapes.get("walls", []):
         lower, upper = view.box(*wall_box(wall, time))
         turn = wall_turn(wall, view, time) + axes.transData
@@ -258,6 +332,9 @@ def draw_walls(axes, scene, view, time):
 
 def frame_axes(axes, scene, view):
     lower, upper = view.box(scene.lower, scene.upper)
+    if view is scene.camera:
+        axes.set_xticks([])
+        axes.set_yticks([])
     margin = 0.015 * (upper[0] - lower[0])
     axes.set_xlim(lower[0] - margin, upper[0] + margin)
     axes.set_ylim(lower[1] - margin, upper[1] + margin)
@@ -278,7 +355,7 @@ def picture(scene, index, quantity, norm, path, from_above=False):
     with the colour bar."""
     time = float(scene.frames.times[index])
     position, value = scene.water(index, quantity)
-    panels = [scene.front] if scene.flat else [scene.front, scene.above]
+    panels = [scene.camera] if scene.camera else [scene.front] if scene.flat else [scene.front, scene.above]
     extents = [np.subtract(*view.box(scene.lower, scene.upper)[::-1]) for view in panels]
     width = WIDTH if extents[0][1] <= 0.9 * extents[0][0] else WIDTH * 0.9 * extents[0][0] / extents[0][1]
     heights = [width * (extent[1] / extent[0] + 0.03) / 1.03 for extent in extents]
@@ -290,16 +367,17 @@ def picture(scene, index, quantity, norm, path, from_above=False):
         at -= height
         axes = figure.add_axes([left / total[0], at / total[1], width / total[0], height / total[1]])
         frame_axes(axes, scene, view)
-        depths = draw_bodies(axes, scene, view, time)
-        draw_water(axes, scene, view, position, value, norm, depths)
+        depths, fronts = draw_bodies(axes, scene, view, time)
+        draw_water(axes, scene, view, position, value, norm, depths, fronts)
         draw_walls(axes, scene, view, time)
-        axes.set_ylabel(label(view, 1), fontsize=8.5)
+        if view is not scene.camera:
+            axes.set_ylabel(label(view, 1), fontsize=8.5)
         if k == 0:
             axes.set_title(f"t = {time:.2f} s", fontsize=11, loc="left", pad=5)
             bar_at = [(left + width + 0.18) / total[0], (at + 0.1 * height) / total[1], 0.13 / total[0],
                       0.8 * height / total[1]]
             front_bottom = at - gap
-        if k == len(panels) - 1:
+        if k == len(panels) - 1 and view is not scene.camera:
             axes.set_xlabel(label(view, 0), fontsize=8.5)
         if k == 1:
             axes.set_title("from above", fontsize=8.5, loc="left", pad=3, color="#444444")
@@ -312,7 +390,7 @@ def picture(scene, index, quantity, norm, path, from_above=False):
     plt.close(figure)
     front_end = int((total[1] - max(front_bottom + 0.25, 0)) * DPI)
     split = int((left + width + 0.1) * DPI)
-    if not from_above or scene.flat:
+    if not from_above or scene.flat or scene.camera:
         return image[:front_end, :split], image[:front_end, split:]
     head = image[:int(top * DPI)]  # with the time
     view = np.concatenate([head, image[front_end:]])[:, :split]
@@ -368,17 +446,32 @@ def chosen_frames(scene, times):
     return sorted({scene.frames.nearest(time) for time in reached})
 
 
+def view_option(text):
+    """`front`, `above` or an azimuth and an elevation."""
+    if text in ("front", "above"):
+        return text
+    try:
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        elevation = np.nan
+    if not -90 < elevation < 90:
+        raise argparse.ArgumentTypeError(f"'{text}'; allowed: front, above, or two numbers as 30,40, the second between -90 and 90")
+    return azimuth, elevation
+
+
 def times_option(text):
     return text if text == "all" else [float(word) for word in text.split(",")]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = argparse.ArgumentParser(prog="embacle render", description=__doc__.split("\n\n")[0])
     parser.add_argument("run", metavar="RUN", help="output folder of a run")
     parser.add_argument("--by", choices=["speed", "pressure"], default="speed", help="what colours the water")
     parser.add_argument("--times", type=times_option, help="times [s], separated by commas, or `all` for every frame; "
                         "default: the scene's `pictures`, or up to 12 frames spread over the run")
-    parser.add_argument("--view", choices=["front", "above"], default="front", help="what contact sheet and film show")
+    parser.add_argument("--view", type=view_option, default="front", metavar="front|above|AZIMUTH,ELEVATION",
+                        help="what contact sheet and film show; or all pictures from a camera far away: degrees to the right of "
+                        "the front, and over the horizon, as 30,40 or --view=-30,40")
     parser.add_argument("--film", metavar="FILE.gif", help="a film of all these times")
     parser.add_argument("--out", help="folder for the pictures (default: RUN/pictures)")
     options = parser.parse_args()
@@ -386,6 +479,8 @@ def main():
         raise RunFolderError(f"--film {options.film}: allowed: a name that ends with .gif")
 
     scene = Scene(options.run)
+    if isinstance(options.view, tuple):
+        scene.camera = View.camera(*options.view, scene.front.axes[:2])
     indices = chosen_frames(scene, options.times)
     norm = colour_range(scene, indices, options.by)
     out = options.out or os.path.join(options.run, "pictures")

@@ -6,8 +6,8 @@ import numpy as np
 
 TITLE = "scale: 1000 floes, 1.5 million particles, 1 to 16 ranks"
 # length and width of the river [m], floes that the options below make of it (about), ranks
-SIZES = {"quick": (4.0, 1.0, (1, 2, 4)), "normal": (20.0, 5.0, (1, 2, 4, 8, 16)), "full": (40.0, 5.0, (1, 2, 4, 8, 16))}
-FIELD = ("--level", 0.12, "--velocity", 0.2, 0, 0, "--size", "power:1.5:0.13:0.4", "--concentration", 0.31, "--gap", 0.006,
+SIZES = {"quick": (4.0, 1.0, (1, 2, 4)), "normal": (22.0, 5.2, (1, 2, 4, 8, 16)), "full": (44.0, 5.2, (1, 2, 4, 8, 16))}
+FIELD = ("--level", 0.12, "--velocity", 0.2, 0, 0, "--size", "power:1.5:0.13:0.4", "--concentration", 0.34, "--gap", 0.006,
          "--thickness", "constant:0.03", "--seed", 2)
 WINDOWS, STEP = 100, 2 / 1650  # two steps of water a window [s]
 SAME = 1e-9  # m: of water and floes on different ranks

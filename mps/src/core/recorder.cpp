@@ -33,6 +33,15 @@ std::vector<double> gather_on_first(const std::vector<double>& values, MPI_Comm 
 
 Json::Array array_of(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
+/// Of a wall, for pictures: beyond, the box around it has to do.
+constexpr std::size_t most_triangles = 50000;
+
+/// Nine numbers.
+template <class Corners>
+void append(Json::Array& numbers, const Corners& triangle) {
+  for (const auto& corner : triangle) numbers.insert(numbers.end(), corner.begin(), corner.end());
+}
+
 }  // namespace
 
 Recorder::Recorder(const Scene& scene, Simulation& simulation, std::filesystem::path folder,
@@ -297,6 +306,11 @@ void Recorder::write_stage() {
     }
     entry.set("lower", array_of(wall.region.lower));
     entry.set("upper", array_of(wall.region.upper));
+    if (wall.form.surface && wall.form.surface->triangles.size() <= most_triangles) {
+      Json::Array corners;
+      for (const Triangle& triangle : wall.form.surface->triangles) append(corners, triangle.corner);
+      entry.set("triangles", corners);
+    }
     const Motion motion = wall.motion.value_or(Motion{});
     entry.set("velocity", array_of(motion.velocity));
     entry.set("start", motion.start);
@@ -321,10 +335,8 @@ void Recorder::write_stage() {
       entry.set("size", Json::Array{shape.size[0], shape.size[1], shape.size[2]});
       entry.set("density", shape.density);
       if (!shape.polyhedron) continue;
-      Json::Array corners;  // nine numbers a triangle, in the body frame
-      for (const auto& triangle : shape.polyhedron->surface.triangles()) {
-        for (const auto& corner : triangle) corners.insert(corners.end(), corner.begin(), corner.end());
-      }
+      Json::Array corners;  // in the body frame
+      for (const auto& triangle : shape.polyhedron->surface.triangles()) append(corners, triangle);
       entry.set("triangles", corners);
     }
   }
