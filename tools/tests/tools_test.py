@@ -18,6 +18,7 @@ TOOLS = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(TOOLS))
 
 import matplotlib.pyplot as plt  # noqa: E402
+import analyse  # noqa: E402
 import floes  # noqa: E402
 import paths  # noqa: E402
 import reach  # noqa: E402
@@ -77,6 +78,66 @@ def make_run(folder, dimension=3, shape=None):
 
 def run(script, *arguments):
     return subprocess.run([sys.executable, TOOLS / script, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+class Analysis(unittest.TestCase):
+    """Volumes, speeds and impulses that are known."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def analyse(self, *options):
+        with contextlib.redirect_stdout(io.StringIO()) as output:
+            analyse.main([str(self.folder), *options])
+        return output.getvalue()
+
+    def table(self, name):
+        return run_folder.read_table(self.folder / "analysis" / name)
+
+    def test_ice_is_all_there_and_drifts(self):
+        triangles = reach.sweep(np.array([[0, -0.01, 0, 0], [0, 0.01, 0, 0]], dtype=float),  # a triangular prism along x
+                                [(np.array([a, a]), np.array([b, b])) for a, b in ((-0.03, -0.02), (0.03, -0.02), (0.03, 0.02),
+                                                                                  (-0.03, 0.02))], ((0, 1, 2, 3),))[0]
+        above = self.folder
+        for shape in (None, {"kind": "surface", "size": [0.02, 0.06, 0.04], "triangles": triangles.ravel().tolist()}):
+            self.folder = above / ("blocks" if shape is None else "surfaces")
+            self.folder.mkdir()
+            make_run(self.folder, shape=shape)
+            volume = 4 * (0.06 * 0.06 * 0.02 if shape is None else 0.02 * 0.06 * 0.04)
+            self.assertIn("thickest", self.analyse("--to", "0.99", "--cell", "0.03"))
+            cells, profile = self.table("map.csv"), self.table("profile.csv")
+            self.assertAlmostEqual(cells["thickness"].sum() * 0.03**2 / volume, 1, delta=0.03)
+            icy = cells["thickness"] > 1e-4
+            np.testing.assert_allclose(cells["drift speed"][icy], 0.1, rtol=1e-6)
+            self.assertAlmostEqual(profile["thickness"].sum() * 0.03 * 0.15 / volume, 1, delta=0.03)
+            height = 0.02 if shape is None else 0.04
+            full = profile["concentration"] > 0.05
+            np.testing.assert_allclose(profile["top to bottom"][full], height, rtol=0.15)
+            np.testing.assert_allclose(profile["porosity"][full], 0, atol=0.1)
+
+    def test_forces_are_means_peaks_and_impulses(self):
+        make_run(self.folder)
+        (self.folder / "structures").mkdir()
+        (self.folder / "structures/pier.csv").write_text(
+            "t [s],fx [N],fy [N],fz [N],tx [N m],ty [N m],tz [N m]\n0,9,9,9,0,0,0\n0.5,2,0,0,0,0,0\n0.75,-4,3,0,0,0,0\n2,100,0,0,0,0,0\n")
+        (self.folder / "ice.csv").write_text(
+            "t [s]," + ",".join(f"pier {c} [N]" for c in "fx fy fz".split()) + ",pier tx [N m],pier ty [N m],pier tz [N m]\n"
+            "0,0,0,0,0,0,0\n1,0,0,7,0,0,0\n")
+        said = self.analyse("--to", "1")
+        self.assertIn("ice on pier: mean (0, 0, 7) N, largest 7 N at 1 s", said)
+        with open(self.folder / "analysis/forces.csv", encoding="utf-8") as stream:
+            rows = list(csv.reader(stream))
+        water = next(row for row in rows if row[1] == "water")
+        np.testing.assert_allclose([float(cell) for cell in water[2:]], [0, 1, 0, 5, 0.75, 0, 0.75, 0], atol=1e-12)
+
+    def test_mistakes_are_named(self):
+        make_run(self.folder)
+        for options, message in ((("--from", "7"), "no row from 7"), (("--from", "1", "--to", "0.5"), "from less than to"),
+                                 (("--cell", "0"), "above zero")):
+            with self.subTest(options=options), self.assertRaisesRegex(run_folder.RunFolderError, message):
+                self.analyse(*options)
 
 
 class Reach(unittest.TestCase):
@@ -438,9 +499,37 @@ class Arrivals(unittest.TestCase):
                                    "--film", str(film)], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(film.read_bytes()[:4], b"GIF8")
+            shapes["walls"].append({"name": "ground", "kind": "stl", "lower": [0, 0, -0.01], "upper": [0.6, 0.15, 0], "open": [],
+                                    "triangles": [0, 0, 0, 0.6, 0, 0, 0.6, 0.15, 0]})
+            (folder / "shapes.json").write_text(json.dumps(shapes))
+            done = subprocess.run([sys.executable, str(TOOLS / "pictures.py"), name, "--view=-30,40", "--times", "0.5"],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            done = subprocess.run([sys.executable, str(TOOLS / "pictures.py"), name, "--view", "30,90"], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr.count("allowed: front, above, or two numbers")), (2, 1))
             done = subprocess.run([sys.executable, str(TOOLS / "pictures.py"), name, "--film", "film.avi"],
                                   capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr.count("allowed: a name that ends with .gif")), (2, 1))
+
+
+class Camera(unittest.TestCase):
+    UP = ([1, 0, 0], [0, 0, 1])
+
+    def test_it_stands_where_it_is_told(self):
+        front = pictures.View(*self.UP)
+        np.testing.assert_allclose(pictures.View.camera(0, 0, self.UP).axes, front.axes, atol=1e-15)
+        right = pictures.View.camera(90, 0, self.UP).axes  # from the right: y to the right, x towards the viewer
+        np.testing.assert_allclose(right, [[0, 1, 0], [0, 0, 1], [1, 0, 0]], atol=1e-15)
+        np.testing.assert_allclose(pictures.View.camera(20, 35, self.UP).axes[2], [
+            np.sin(np.radians(20)) * np.cos(np.radians(35)), -np.cos(np.radians(20)) * np.cos(np.radians(35)), np.sin(np.radians(35))],
+            atol=1e-15)
+        axes = pictures.View.camera(33, 50, self.UP).axes
+        np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+
+    def test_what_is_behind_a_face_is_hidden(self):
+        face = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 2], [0, 1, 2]], dtype=float)  # depth 1 + y
+        points = np.array([[0.5, 0.5, 1.4], [0.5, 0.5, 1.6], [1.5, 0.5, 0], [0.5, 0.9, 1.75], [0.5, 0.1, 1.75]])
+        np.testing.assert_array_equal(pictures.hidden(points, [face], 0.05), [True, False, False, True, False])
 
 
 class Faces(unittest.TestCase):
