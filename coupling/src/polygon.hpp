@@ -18,7 +18,8 @@ std::vector<Vec2> checked_polygon(const std::vector<Vec2>& corners);
 /// 1975, doi:10.2307/2319703).
 std::vector<std::array<int, 3>> triangulate(const std::vector<Vec2>& polygon);
 
-/// Signed distance [m] to a counterclockwise polygon, negative inside; and, unless null, the unit normal away from inside.
+/// Signed distance [m] to a counterclockwise polygon, negative inside; and, unless null, the unit normal away from
+/// inside.
 double polygon_distance(const std::vector<Vec2>& polygon, const Vec2& place, Vec2* normal = nullptr);
 
 }  // namespace embacle::coupling

@@ -18,7 +18,8 @@ int run(const Options& options, int rank) {
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   switch (options.task) {
     case Options::Task::check:
-      if (rank == 0) fmt::print("{}", embacle::mps::check_report(scene, options.planned_ranks > 0 ? options.planned_ranks : ranks));
+      if (rank == 0)
+        fmt::print("{}", embacle::mps::check_report(scene, options.planned_ranks > 0 ? options.planned_ranks : ranks));
       return 0;
     case Options::Task::explain:
       if (rank == 0) fmt::print("{}", embacle::mps::explain_report(scene));

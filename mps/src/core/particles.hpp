@@ -49,8 +49,8 @@ struct Identity {
   std::int64_t id = 0;  ///< unique over all ranks for water; walls likewise; body points: -1
   std::int32_t owner =
       -1;  ///< water: -1; walls: index of the wall; body points: number of walls + index of the body on this rank
-  /// Body points: index into the shape's points; walls: side (see Wall sides); water: 1 + the opening that drives it, or
-  /// 0.
+  /// Body points: index into the shape's points; walls: side (see Wall sides); water: 1 + the opening that drives it,
+  /// or 0.
   std::int32_t point = 0;
 };
 
