@@ -11,7 +11,7 @@ on an incline a box creeps at V atanh(tan(angle)/mu), V = 1/8 m/s in the thesis,
 
 import math
 
-from validate import Bar, CaseError, read_columns
+from validate import CaseError, read_columns
 
 TITLE = "contact laws of the thesis and the paper: a dropped sphere, a box of spheres"
 LAWS = ("contact_ratio", "river_ice")
