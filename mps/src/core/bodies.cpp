@@ -62,6 +62,10 @@ Bodies::Bodies(const Constants& constants, const std::vector<coupling::Shape>& s
 
 void Bodies::assign(const std::vector<FluidBody>& bodies) {
   bodies_ = bodies;
+  near_begin_.clear();  // until the lists are new, any body may be near
+  water_nearby_.clear();
+  near_.resize(count());
+  std::iota(near_.begin(), near_.end(), 0);
   acceleration_.assign(bodies_.size(), Vec3::Zero());
   angular_acceleration_.assign(bodies_.size(), Vec3::Zero());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -264,12 +268,13 @@ void Bodies::note_water_nearby(const Particles& particles, const Neighbours& nei
     }
   });
   water_nearby_.clear();
-  near_.clear();
   near_begin_.clear();
-  if (count() <= few) {
-    for (std::size_t b = 0; b < count(); ++b) near_.push_back(static_cast<std::uint32_t>(b));
-  } else {
+  if (count() > few) {
     near_begin_.assign(particles.water + 1, 0);
+    near_.clear();
+  } else {
+    near_.resize(count());
+    std::iota(near_.begin(), near_.end(), 0);
   }
   for (const Found& part : parts) {
     water_nearby_.insert(water_nearby_.end(), part.water.begin(), part.water.end());
