@@ -24,6 +24,7 @@ constexpr double part_of_distance = 0.2437, fastest_of_profile = 1.5;
 constexpr int most_steps = 50;
 /// By which the density ratio of water that enters the zone of an outflow may differ from 1.
 constexpr double largest_change = 0.03;
+double kept(double density_ratio) { return std::clamp(density_ratio, 1 - largest_change, 1 + largest_change); }
 
 }  // namespace
 
@@ -316,6 +317,7 @@ void Openings::choose_interval() {
 
 void Openings::list(Particles& particles, bool exchanged) {
   driven_.clear();
+  list_ghosts(particles, exchanged);
   if (!exchanged) {
     for (std::uint32_t i = 0; i < particles.water; ++i) {
       if (particles.identity[i].point == 0) continue;
@@ -332,8 +334,7 @@ void Openings::list(Particles& particles, bool exchanged) {
     for (std::size_t k = 0; k < count(); ++k) {
       if (scene_.openings[k].kind == Opening::Kind::drain || !in_zone(k, record.x)) continue;
       const double own = sign(k) * record.v[axis(k)];
-      const double s = std::clamp(record.s, 1 - largest_change, 1 + largest_change);
-      driven_.push_back({i, static_cast<std::int32_t>(k), own, s});
+      driven_.push_back({i, static_cast<std::int32_t>(k), own, kept(record.s)});
       particles.identity[i].point = static_cast<std::int32_t>(k) + 1;
       sums[2 * k] += own;
       sums[2 * k + 1] += 1;
@@ -353,6 +354,26 @@ void Openings::list(Particles& particles, bool exchanged) {
   }
 }
 
+/// As their own ranks list them.
+void Openings::list_ghosts(const Particles& particles, bool exchanged) {
+  driven_ghosts_.clear();
+  const auto outflow = [&](std::size_t k) { return scene_.openings[k].kind == Opening::Kind::outflow; };
+  for (std::size_t i = particles.own(); i < particles.ghost_solid_begin(); ++i) {
+    const auto number = static_cast<std::uint32_t>(i);
+    const Record& record = particles.record[i];
+    if (!exchanged) {
+      const std::int32_t point = particles.identity[i].point;
+      if (point > 0 && outflow(static_cast<std::size_t>(point) - 1)) driven_ghosts_.push_back({number, record.s});
+      continue;
+    }
+    for (std::size_t k = 0; k < count(); ++k) {
+      if (scene_.openings[k].kind == Opening::Kind::drain || !in_zone(k, record.x)) continue;
+      if (outflow(k)) driven_ghosts_.push_back({number, kept(record.s)});
+      break;
+    }
+  }
+}
+
 void Openings::drive(Particles& particles) const {
   for (const Driven& driven : driven_) {
     const auto k = static_cast<std::size_t>(driven.opening);
@@ -361,6 +382,7 @@ void Openings::drive(Particles& particles) const {
     record.v[axis(k)] = sign(k) * driven.speed;
     if (scene_.openings[k].kind == Opening::Kind::outflow) record.s = driven.density_ratio;
   }
+  for (const DrivenGhost& ghost : driven_ghosts_) particles.record[ghost.particle].s = ghost.density_ratio;
 }
 
 std::vector<Openings::Passage> Openings::passages() const {

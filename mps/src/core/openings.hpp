@@ -80,6 +80,12 @@ class Openings {
     double density_ratio;  ///< kept in an outflow: there fast water runs into slow water without feeling it
   };
 
+  /// A ghost of another rank's driven water, in an outflow: its velocity comes with the halo, its density does not.
+  struct DrivenGhost {
+    std::uint32_t particle;
+    double density_ratio;
+  };
+
   [[nodiscard]] int axis(std::size_t k) const { return axis_of(scene_.openings[k].direction); }
   [[nodiscard]] double sign(std::size_t k) const { return sign_of(scene_.openings[k].direction); }
   /// Distance [m] that a place has gone into a zone, in the direction of the flow.
@@ -92,6 +98,7 @@ class Openings {
   [[nodiscard]] double share(std::size_t k, const Row& row) const;
   [[nodiscard]] double profile(std::size_t k, const double* x) const;
   void choose_interval();
+  void list_ghosts(const Particles& particles, bool exchanged);
   void measure(const std::vector<Traveller>& water, double passed_time);
   void set_inflow(std::size_t k, double measured, double passed_time);
   void set_outflow(std::size_t k, double measured, double mean_speed, double passed_time);
@@ -103,6 +110,7 @@ class Openings {
   int up_ = 2;  ///< axis against gravity
   std::vector<State> states_;
   std::vector<Driven> driven_;
+  std::vector<DrivenGhost> driven_ghosts_;
   std::int64_t next_id_ = 0;
   double time_ = 0;      ///< of the last exchange [s]
   double interval_ = 0;  ///< to the next [s]
