@@ -61,11 +61,14 @@ Bodies::Bodies(const Constants& constants, const std::vector<coupling::Shape>& s
 }
 
 void Bodies::assign(const std::vector<FluidBody>& bodies) {
+  const bool others = !std::ranges::equal(bodies_, bodies, {}, &FluidBody::tag, &FluidBody::tag);
   bodies_ = bodies;
-  near_begin_.clear();  // until the lists are new, any body may be near
-  water_nearby_.clear();
-  near_.resize(count());
-  std::iota(near_.begin(), near_.end(), 0);
+  if (others) {  // the lists will be made anew; until then any of them may be near
+    near_begin_.clear();
+    water_nearby_.clear();
+    near_.resize(count());
+    std::iota(near_.begin(), near_.end(), 0);
+  }
   acceleration_.assign(bodies_.size(), Vec3::Zero());
   angular_acceleration_.assign(bodies_.size(), Vec3::Zero());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
