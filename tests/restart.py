@@ -258,7 +258,7 @@ class Cluster(EndedEarly):
         (commands / "sbatch").write_text(f"#!/bin/sh\necho part $EMBACLE_PART: $@ >> {self.folder}/submitted\n")
         (commands / "sbatch").chmod(0o755)
         given = dict(support.environment(), PATH=f"{commands}:{os.environ['PATH']}", EMBACLE_ROOT=str(support.SOURCE),
-                     EMBACLE_MPIRUN="mpirun -q --oversubscribe -n 2", **environment)
+                     EMBACLE_MPIRUN="mpirun -q --oversubscribe --bind-to none --mca btl_vader_single_copy_mechanism none -n 2", **environment)
         script = support.SOURCE / "tools/slurm/embacle.sbatch"
         return subprocess.run([script, self.scene, self.out, *options], env=given, capture_output=True, text=True)
 
