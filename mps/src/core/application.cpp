@@ -241,6 +241,7 @@ std::string explain_report(const Scene& scene) {
   module(scene.output.fields, "fields (HDF5)", "at output times");
   module(std::ranges::any_of(scene.walls, &Wall::forces), "forces on structures", "a sum over wall points");
   module(!scene.openings.empty(), "open boundaries", "two reductions a list; their zones are particles as others");
+  module(!scene.sponges.empty(), "sponges", "a pass over the water");
   module(!scene.gauges.empty(), "gauges", "a reduction each, at their times");
   module(scene.output.audit, "conservation audit", "a reduction a window");
   module(scene.output.checkpoint_every > 0 || scene.output.checkpoint_wall > 0, "checkpoints (HDF5)",

@@ -351,38 +351,14 @@ void Simulation::integrate_velocities() {
           inside ? "is unstable" : "left the domain", std::sqrt(square), constants_.sound_speed, record.s);
     }
   });
+  if (sponges_) sponges_->damp(particles_, constants_.step);
   if (openings_) openings_->drive(particles_);
   if (corrections_) {  // now, so that a step leaves nothing behind but the particles
     for_each(particles_.water, [&](std::size_t i, int) {
       for (int c = 0; c < 3; ++c) particles_.record[i].x[c] += constants_.step * corrections_->shift()[i][c];
     });
   }
-  if (scene_.output.audit) {
-    for (const Triple& a : acceleration_) {
-      for (int c = 0; c < 3; ++c)
-        window_momentum_change_[c] += constants_.particle_mass * constants_.step * (a[c] - constants_.gravity[c]);
-    }
-    for (std::size_t i = 0; central_force_ && i < particles_.water; ++i) {
-      const Triple a = central_force_->at(particles_.record[i].x);
-      for (int c = 0; c < 3; ++c) window_momentum_change_[c] -= constants_.particle_mass * constants_.step * a[c];
-    }
-    // Reaction on everything solid: on walls by their points and by the guard, on bodies by their loads.
-    for (std::size_t j = particles_.water; j < particles_.all(); ++j) {
-      if (particles_.is_water(j) || particles_.identity[j].owner >= walls_.count()) continue;
-      for (int c = 0; c < 3; ++c)
-        window_reaction_[c] += constants_.step * reaction_.total()[reaction_slot(particles_, j)][c];
-    }
-    for (const auto* loads : {&guard_loads_, &load_}) {
-      for (const auto& load : *loads) {
-        for (int c = 0; c < 3; ++c) window_reaction_[c] += constants_.step * load.force[c];
-      }
-    }
-  }
-  if (scene_.output.audit && scene_.numerics.integrator == Integrator::leapfrog && !corrections_) {
-    const double power = power_into_solids(particles_, neighbours_, constants_, acceleration_);
-    energy_in_solids_ += 0.5 * constants_.step * (power_into_solids_ + power);
-    power_into_solids_ = power;
-  }
+  if (scene_.output.audit) audit_step();
   own_motions_ = {0, bodies_ ? bodies_->fastest() : 0, 0};
   for (const Found& part : parts) {
     own_motions_.water = std::max(own_motions_.water, std::sqrt(part.speed_square));
@@ -418,6 +394,7 @@ Simulation::Simulation(const Scene& scene, MPI_Comm comm, coupling::FluidLink* l
   if (constants_.smagorinsky > 0) turbulence_.emplace(constants_);
   if (constants_.central_force > 0) central_force_.emplace(constants_);
   if (std::ranges::any_of(scene.walls, &Wall::forces)) structures_.emplace(scene);
+  if (!scene.sponges.empty()) sponges_.emplace(scene, constants_);
   MPI_Comm_rank(comm, &rank_);
   if (link_ != nullptr) adopt_bodies();
   if (restart != nullptr) {
@@ -548,38 +525,6 @@ std::vector<Traveller> Simulation::own_water() const {
   std::vector<Traveller> result(particles_.water);
   for_each(particles_.water, [&](std::size_t i, int) { result[i] = {particles_.record[i], particles_.identity[i]}; });
   return result;
-}
-
-/// Conservation over the window just finished. The momentum of the water may change by gravity and by the walls and
-/// bodies only; the loads that the solids applied must be the reaction that the water felt.
-void Simulation::check_window() {
-  double sums[12] = {};
-  const double mass = constants_.particle_mass * static_cast<double>(particles_.water);
-  for (int c = 0; c < 3; ++c) {
-    sums[c] = window_momentum_change_[c] + window_reaction_[c];
-  }
-  if (bodies_) {
-    for (std::size_t b = 0; b < bodies_->count(); ++b) {
-      const auto& body = bodies_->all()[b];
-      for (int c = 0; c < 3; ++c) {
-        sums[3 + c] += window_load_[b].force[c];
-        if (speaks_for(rank_, body)) sums[6 + c] += body.applied.force[c];
-      }
-    }
-  }
-  sums[9] = mass;
-  double total[12];
-  MPI_Allreduce(sums, total, 12, MPI_DOUBLE, MPI_SUM, comm_);
-  const auto norm = [](const double* v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
-  const double difference[3] = {total[3] - total[6], total[4] - total[7], total[5] - total[8]};
-  if (norm(total + 3) > 0 && scene_.coupling.scheme == Scheme::serial) {
-    worst_audit_.reaction_mismatch = std::max(worst_audit_.reaction_mismatch, norm(difference) / norm(total + 3));
-  }
-  const double weight = total[9] * window_length() * norm(constants_.gravity);
-  if (weight > 0) worst_audit_.momentum_residual = std::max(worst_audit_.momentum_residual, norm(total) / weight);
-  for (std::size_t i = 0; bodies_ && i < particles_.water; ++i) {
-    extremes_.body_penetration = std::max(extremes_.body_penetration, bodies_->penetration(particles_.record[i].x));
-  }
 }
 
 Triple Simulation::half_kick(std::size_t water) const {

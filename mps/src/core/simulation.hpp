@@ -20,6 +20,7 @@
 #include "core/openings.hpp"
 #include "core/operators.hpp"
 #include "core/phases.hpp"
+#include "core/sponges.hpp"
 #include "core/structures.hpp"
 #include "core/surface_loads.hpp"
 #include "core/turbulence.hpp"
@@ -145,6 +146,7 @@ class Simulation {
   void report_failure(double largest) const;
   void remove_water_in_bodies(std::int64_t newer_than = -1);
   void welcome_arrivals();
+  void audit_step();
   void check_window();
   void check_bodies() const;
   [[nodiscard]] std::vector<Traveller> own_water() const;
@@ -183,6 +185,7 @@ class Simulation {
   std::optional<LightBodies> light_bodies_;  ///< where the scene has any
   std::optional<CentralForce> central_force_;
   std::optional<Structures> structures_;
+  std::optional<Sponges> sponges_;
   int steps_per_window_ = 1;
 
   std::vector<Record> start_;         ///< own particles at the start of a step of step_symplectic()

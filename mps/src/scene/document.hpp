@@ -61,7 +61,7 @@ struct Place {
 
 /// Sections written [[name]], whose elements are addressed by their key `name`.
 [[nodiscard]] inline bool is_repeated(std::string_view section) {
-  return section == "water" || section == "wall" || section == "opening" || section == "gauge";
+  return section == "water" || section == "wall" || section == "opening" || section == "sponge" || section == "gauge";
 }
 
 /// "text 'abc'", "number 3", "a list" ...

@@ -51,6 +51,7 @@ class Reader {
       normalise(wall.motion->axis);
     });
     read_repeated(all.opening, scene.openings, [](Opening&, const toml::table&, const std::string&) {});
+    read_repeated(all.sponge, scene.sponges, [](Sponge&, const toml::table&, const std::string&) {});
     read_repeated(all.gauge, scene.gauges,
                   [](Gauge& gauge, const toml::table&, const std::string&) { normalise(gauge.direction); });
     if (document_.root().contains("coupling")) read_single(all.coupling, scene.coupling);

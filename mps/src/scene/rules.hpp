@@ -50,6 +50,8 @@ class Rules {
     each("wall", scene_.walls, [this](const std::string& path, const Wall& wall) { check_wall(path, wall); });
     each("opening", scene_.openings,
          [this](const std::string& path, const Opening& opening) { check_opening(path, opening); });
+    each("sponge", scene_.sponges,
+         [this](const std::string& path, const Sponge& sponge) { check_sponge(path, sponge); });
     each("gauge", scene_.gauges, [this](const std::string& path, const Gauge& gauge) { check_gauge(path, gauge); });
     check_output();
   }
@@ -504,6 +506,15 @@ class Rules {
     if (opening.kind == Opening::Kind::outflow && beyond < l0 - 1e-6 * l0)
       context_.report({path + (sign_of(opening.direction) > 0 ? ".upper" : ".lower"), "domain.lower", "domain.upper"},
                       "behind the zone the domain must go on for at least one particle distance");
+  }
+
+  void check_sponge(const std::string& path, const Sponge& sponge) {
+    check_region(path, sponge.region, true);
+    if (axis_of(sponge.direction) == scene_.upright() || axis_of(sponge.direction) >= scene_.dimension)
+      context_.report({path + ".direction"},
+                      std::string("must be level; allowed: ") + (scene_.dimension == 2 ? "-x, +x" : "-x, +x, -y, +y"));
+    if (scene_.fluid.gravity == Vec3d{} && sponge.damping_time == 0)
+      context_.report({path, "fluid.gravity"}, "without gravity there is no default: state 'damping_time'");
   }
 
   void check_gauge(const std::string& path, const Gauge& gauge) {

@@ -225,6 +225,15 @@ struct Opening {
   }
 };
 
+struct Sponge {
+  std::string name;
+  BoxRegion region;                         ///< [m]
+  Direction direction = Direction::x_plus;  ///< in which the damping grows
+  double damping_time = 0;                  ///< at the far end [s]; 0: from the region (core/sponges.hpp)
+  Vec3d velocity{};                         ///< to which it damps [m/s]
+  int line = 0;
+};
+
 struct Fluid {
   double density = 1000;           ///< [kg/m^3]
   double kinematic_viscosity = 0;  ///< [m^2/s]; 0 leaves the viscous term out
@@ -294,6 +303,7 @@ struct Scene {
   std::vector<Water> water;
   std::vector<Wall> walls;
   std::vector<Opening> openings;
+  std::vector<Sponge> sponges;
   std::vector<Gauge> gauges;
   Coupling coupling;
   Output output;

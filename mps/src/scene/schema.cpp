@@ -59,18 +59,18 @@ void add_form(std::vector<Field<T>>& fields) {
 Schema make_schema() {
   using Q = Quantity;
   Schema s;
-  s.root = {
-      "",
-      "Keys at the top of the file, before the first section.",
-      {
-          {{.name = "title", .meaning = "one line that says what the scene shows", .default_text = "none"},
-           [](Scene& x) -> Target { return &x.title; }},
-          {{.name = "dimension",
-            .meaning = "number of space dimensions; in 2-D the plane is x-y, with y upwards",
-            .range = between(2, 3)},
-           [](Scene& x) -> Target { return &x.dimension; }},
-      },
-      {"parameters", "domain", "fluid", "numerics", "water", "wall", "opening", "gauge", "coupling", "output", "run"}};
+  s.root = {"",
+            "Keys at the top of the file, before the first section.",
+            {
+                {{.name = "title", .meaning = "one line that says what the scene shows", .default_text = "none"},
+                 [](Scene& x) -> Target { return &x.title; }},
+                {{.name = "dimension",
+                  .meaning = "number of space dimensions; in 2-D the plane is x-y, with y upwards",
+                  .range = between(2, 3)},
+                 [](Scene& x) -> Target { return &x.dimension; }},
+            },
+            {"parameters", "domain", "fluid", "numerics", "water", "wall", "opening", "sponge", "gauge", "coupling",
+             "output", "run"}};
   s.domain = {
       "domain",
       "The box that holds everything. Water that leaves it ends the run with status 3, except where it is periodic.",
@@ -409,6 +409,32 @@ Schema make_schema() {
                        "as of a laminar film",
             .choices = {"uniform", "power", "parabolic"}},
            [](Opening& x) -> Target { return &x.profile; }},
+      },
+      {},
+      true};
+  s.sponge = {
+      "sponge",
+      "A place where waves die out, before a wall or an outflow (docs/open-boundaries.md). Any number of them.",
+      {
+          {name, [](Sponge& x) -> Target { return &x.name; }},
+          {{.name = "lower", .meaning = "lowest corner of the zone", .quantity = Q::length, .required = true},
+           [](Sponge& x) -> Target { return &x.region.lower; }},
+          {{.name = "upper", .meaning = "highest corner", .quantity = Q::length, .required = true},
+           [](Sponge& x) -> Target { return &x.region.upper; }},
+          {{.name = "direction",
+            .meaning = "level, in which waves enter; the damping rises along it with the square of the way",
+            .choices = {"-x", "+x", "-y", "+y", "-z", "+z"},
+            .required = true},
+           [](Sponge& x) -> Target { return &x.direction; }},
+          {{.name = "damping_time",
+            .meaning = "time in which a velocity falls to 1/e of itself at the far end",
+            .quantity = Q::time,
+            .range = not_negative,
+            .default_text = "a twelfth of the time that a long wave in water as deep as the zone is high needs through "
+                            "it: 2 % of its height come back"},
+           [](Sponge& x) -> Target { return &x.damping_time; }},
+          {{.name = "velocity", .meaning = "to which the water is damped, as that of a river", .quantity = Q::speed},
+           [](Sponge& x) -> Target { return &x.velocity; }},
       },
       {},
       true};

@@ -98,6 +98,7 @@ struct Schema {
   Section<Wall> wall;
   Section<Motion> motion;
   Section<Opening> opening;
+  Section<Sponge> sponge;
   Section<Gauge> gauge;
   Section<Coupling> coupling;
   Section<Output> output;
@@ -106,8 +107,8 @@ struct Schema {
   /// Calls f(section) for each in the order of the reference page.
   template <class F>
   void for_each(F&& f) const {
-    f(root), f(domain), f(fluid), f(numerics), f(water), f(wall), f(motion), f(opening), f(gauge), f(coupling),
-        f(output), f(run);
+    f(root), f(domain), f(fluid), f(numerics), f(water), f(wall), f(motion), f(opening), f(sponge), f(gauge),
+        f(coupling), f(output), f(run);
   }
 };
 

@@ -138,6 +138,7 @@ std::string lasting_settings(const Scene& scene) {
     if (wall.motion) append(lines, all.motion, "wall." + wall.name + ".motion", *wall.motion);
   }
   for (Opening& opening : copy.openings) append(lines, all.opening, "opening." + opening.name, opening);
+  for (Sponge& sponge : copy.sponges) append(lines, all.sponge, "sponge." + sponge.name, sponge);
   if (copy.coupled()) {
     copy.coupling.script = copy.coupling.script.filename();  // the scene may have moved as a whole
     append(lines, all.coupling, "coupling", copy.coupling);
@@ -170,7 +171,7 @@ void compare_settings(const Scene& scene, const std::string& now, const std::str
     if (find(present, key_of(line)) == present.end())
       problems.push_back(key_of(line) + ": not there (then: " + value_of(line) + ")");
   }
-  if (problems.empty()) problems.emplace_back("the order of the walls, waters or openings");
+  if (problems.empty()) problems.emplace_back("the order of the walls, waters, openings or sponges");
   std::string text;
   for (std::size_t i = 0; i < std::min(problems.size(), most_named); ++i) text += "\n  " + problems[i];
   if (problems.size() > most_named) text += "\n  and " + std::to_string(problems.size() - most_named) + " more";

@@ -85,6 +85,18 @@ TEST_F(SceneFile, OpeningsHaveRules) {
   for (const auto& [from, to, expected] : mistakes) EXPECT_HAS(error_with(from, to), expected);
 }
 
+TEST_F(SceneFile, SpongesHaveRules) {
+  const std::tuple<const char*, const char*, const char*> mistakes[] = {
+      {"direction = \"+x\"\ndamping_time", "damping_time", "sponge.beach.direction: required, but missing"},
+      {"direction = \"+x\"\ndamping_time", "direction = \"-z\"\ndamping_time",
+       "sponge.beach.direction: must be level; allowed: -x, +x, -y, +y"},
+      {"damping_time = \"50 ms\"", "damping_time = \"-1 ms\"",
+       "sponge.beach.damping_time: -0.001 s is out of range; allowed: >= 0 s"},
+      {"upper = [1.9, 0.5, 0.4]", "upper = [1.9, 0.5, 40]", "sponge.beach.upper"},
+  };
+  for (const auto& [from, to, expected] : mistakes) EXPECT_HAS(error_with(from, to), expected);
+}
+
 TEST_F(SceneFile, TurnsAndCentralForcesHaveRules) {
   const std::tuple<const char*, const char*, const char*> mistakes[] = {
       {"angle_table = \"flap.csv\"", "angle_table = \"flap.csv\"\nangular_velocity = 1",

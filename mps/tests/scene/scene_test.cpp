@@ -108,6 +108,10 @@ TEST(Read, FullScene) {
   EXPECT_DOUBLE_EQ(mouth.discharge_at(0.5), 0.015);
   EXPECT_EQ(mouth.discharge_at(3), 0.03);
   EXPECT_EQ(s.openings[2].kind, Opening::Kind::drain);
+  ASSERT_EQ(s.sponges.size(), 1U);
+  EXPECT_EQ(s.sponges[0].direction, Direction::x_plus);
+  EXPECT_EQ(s.sponges[0].damping_time, 0.05);
+  EXPECT_EQ(s.sponges[0].velocity, (Vec3d{0.02, 0, 0}));
   ASSERT_EQ(s.gauges.size(), 2U);
   EXPECT_EQ(s.gauges[0].kind, GaugeKind::level);
   EXPECT_EQ(s.gauges[0].position, (Vec3d{0.25 + 0.05, 0.25, 0}));
@@ -373,11 +377,9 @@ TEST_F(SceneFile, AllProblemsComeTogetherInTheOrderOfTheFile) {
 template <class F>
 void for_each_key(F&& f) {
   schema().for_each([&]<class T>(const Section<T>& section) {
-    static const std::map<std::string, std::string> instances{{"water", "water.upstream"},
-                                                              {"wall", "wall.tank"},
-                                                              {"wall.motion", "wall.gate.motion"},
-                                                              {"opening", "opening.brook"},
-                                                              {"gauge", "gauge.surge"}};
+    static const std::map<std::string, std::string> instances{
+        {"water", "water.upstream"},  {"wall", "wall.tank"},      {"wall.motion", "wall.gate.motion"},
+        {"opening", "opening.brook"}, {"sponge", "sponge.beach"}, {"gauge", "gauge.surge"}};
     const auto found = instances.find(section.path);
     const std::string at = found == instances.end() ? section.path : found->second;
     for (const Field<T>& field : section.fields) {
