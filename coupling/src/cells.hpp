@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cmath>
-#include <map>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "embacle/coupling/types.hpp"
@@ -12,20 +14,21 @@ namespace embacle::coupling {
 
 class Cells {
  public:
-  /// `edge` [m]: every place within this distance is found.
+  /// `edge` [m] of the cells.
   explicit Cells(double edge) : edge_(edge) {}
 
   /// Places are numbered in the order in which they are added.
   void add(const Vec3& place) { cells_[cell_of(place)].push_back(count_++); }
 
-  /// Visits the numbers of the places in the cell of a place and its neighbours.
+  /// Visits the numbers of the places in all cells within `reach` [m] of a place.
   template <typename Visit>
-  void visit(const Vec3& place, Visit&& visit_one) const {
-    const std::array<int, 3> centre = cell_of(place);
-    for (int i = -1; i <= 1; ++i) {
-      for (int j = -1; j <= 1; ++j) {
-        for (int k = -1; k <= 1; ++k) {
-          const auto cell = cells_.find({centre[0] + i, centre[1] + j, centre[2] + k});
+  void visit(const Vec3& place, double reach, Visit&& visit_one) const {
+    const std::array<int, 3> low = cell_of(place - Vec3::Constant(reach)),
+                             high = cell_of(place + Vec3::Constant(reach));
+    for (int i = low[0]; i <= high[0]; ++i) {
+      for (int j = low[1]; j <= high[1]; ++j) {
+        for (int k = low[2]; k <= high[2]; ++k) {
+          const auto cell = cells_.find({i, j, k});
           if (cell == cells_.end()) continue;
           for (const std::size_t number : cell->second) visit_one(number);
         }
@@ -39,9 +42,16 @@ class Cells {
             static_cast<int>(std::floor(place.z() / edge_))};
   }
 
+  struct Hash {
+    std::size_t operator()(const std::array<int, 3>& cell) const {
+      std::uint64_t mixed = 0;
+      for (const int index : cell) mixed = (mixed ^ static_cast<std::uint32_t>(index)) * 0x9E3779B97F4A7C15U;
+      return mixed ^ (mixed >> 32U);
+    }
+  };
   double edge_;
   std::size_t count_ = 0;
-  std::map<std::array<int, 3>, std::vector<std::size_t>> cells_;
+  std::unordered_map<std::array<int, 3>, std::vector<std::size_t>, Hash> cells_;
 };
 
 }  // namespace embacle::coupling

@@ -62,7 +62,7 @@ CoveringError Shape::covering_error(const std::vector<CoveringSphere>& spheres) 
     }
     const Vec3 place = box.lower + share.cwiseProduct(edges);
     bool covered = false;
-    centres.visit(place, [&](std::size_t s) {
+    centres.visit(place, largest, [&](std::size_t s) {
       covered = covered || (place - spheres[s].centre).squaredNorm() < spheres[s].radius * spheres[s].radius;
     });
     if (covered && error.largest_protrusion <= 1e-8 * largest) continue;

@@ -67,7 +67,7 @@ void even_out(std::vector<LayerPoint>& points, int dimension, double spacing, co
     for (const LayerPoint& point : points) cells.add(point.position);
     std::vector<Vec3> push(points.size(), Vec3::Zero());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      cells.visit(points[i].position, [&](std::size_t j) {
+      cells.visit(points[i].position, spacing, [&](std::size_t j) {
         const Vec3 apart = points[i].position - points[j].position;
         const double r = apart.norm();
         if (i == j || r >= reach) return;
@@ -88,7 +88,7 @@ void even_out(std::vector<LayerPoint>& points, int dimension, double spacing, co
   std::vector<LayerPoint> result;
   for (const LayerPoint& point : points) {
     bool free = depth_of(point.position) >= 0.2 * spacing;  // in sharp corners there is no room
-    kept.visit(point.position,
+    kept.visit(point.position, spacing,
                [&](std::size_t j) { free = free && (point.position - result[j].position).norm() >= 0.5 * spacing; });
     if (!free) continue;
     kept.add(point.position);

@@ -68,7 +68,7 @@ std::vector<LayerPoint> polygon_points(const std::vector<Vec2>& polygon, double 
 class Sharing {
  public:
   Sharing(const std::vector<ShapePoint>& points, const std::vector<bool>& outermost, double spacing)
-      : points_(points), cells_(2 * spacing), outermost_(outermost) {
+      : points_(points), reach_(2 * spacing), cells_(reach_), outermost_(outermost) {
     for (const ShapePoint& point : points) cells_.add(point.position);
   }
 
@@ -81,7 +81,7 @@ class Sharing {
       least = square;
       nearest = static_cast<int>(k);
     };
-    cells_.visit(place, consider);
+    cells_.visit(place, reach_, consider);
     if (nearest < 0) {
       for (std::size_t k = 0; k < points_.size(); ++k) consider(k);
     }
@@ -102,6 +102,7 @@ class Sharing {
 
  private:
   const std::vector<ShapePoint>& points_;
+  double reach_;
   Cells cells_;
   const std::vector<bool>& outermost_;
   std::map<int, SurfacePiece> face_;

@@ -88,14 +88,14 @@ struct Places {
 Places places_for(const Shape& shape, double radius, double spacing) {
   Places places;
   const ClosedSurface& surface = shape.polyhedron->surface;
-  Cells tried(0.5 * spacing);
+  const double least = 0.25 * spacing;  // between places that are tried
+  Cells tried(2 * least);
   std::vector<Vec3> tried_places;
   shape.visit_surface(spacing, [&](const Vec3& place, const Vec3& area) {
     const bool corner = area.isZero(0);
     bool near = false;  // a fine surface has more parts than are needed
-    tried.visit(place, [&](std::size_t k) {
-      near = near || (tried_places[k] - place).squaredNorm() < 0.0625 * spacing * spacing;
-    });
+    tried.visit(place, least,
+                [&](std::size_t k) { near = near || (tried_places[k] - place).squaredNorm() < least * least; });
     if (near && !corner) return;
     tried.add(place);
     tried_places.push_back(place);
