@@ -87,11 +87,15 @@ class Context:
         for setting in settings:
             command += ["--set", setting]
         print(f"  {self.case}/{name} ...", flush=True)
-        out.mkdir(parents=True, exist_ok=True)
-        start = time.monotonic()
-        with (out / "validate.log").open("w") as log:
-            status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
-        seconds = time.monotonic() - start
+        status, seconds = finished_before(out, command)
+        if status is None:
+            out.mkdir(parents=True, exist_ok=True)
+            (out / RECORD).unlink(missing_ok=True)
+            start = time.monotonic()
+            with (out / "validate.log").open("w") as log:
+                status = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
+            seconds = time.monotonic() - start
+            (out / RECORD).write_text(json.dumps(record_of(command) | {"status": status, "seconds": seconds}) + "\n")
         tail = (out / "validate.log").read_text().splitlines()[-5:]
         if status not in allowed:
             raise CaseError(f"{name}: the run ended with status {status}:\n    " + "\n    ".join(tail))
@@ -143,6 +147,24 @@ class Context:
         return done.stdout
 
 
+RECORD = "validate.json"  # in the folder of a run that has ended
+
+
+def record_of(command):
+    return {"command": command, "revision": revision()}
+
+
+def finished_before(out, command):
+    """Status and wall time of a run in this folder that ended by itself, by the same command and commit; None, None without one."""
+    try:
+        record = json.loads((out / RECORD).read_text())
+    except (OSError, ValueError):
+        return None, None
+    known = record["revision"] != "unknown" and not record["revision"].endswith("-dirty")
+    same = known and record.items() >= record_of(command).items() and record["status"] in (0, 2, 3, 5)
+    return (record["status"], record["seconds"]) if same else (None, None)
+
+
 def read_columns(path):
     """A CSV file with a header of `name [unit]` columns: dictionary of name (no unit) to a list of numbers."""
     with path.open(encoding="utf-8") as stream:
@@ -186,6 +208,8 @@ def parse(arguments):
     effort.add_argument("--full", dest="effort", action="store_const", const="full", help="also finer resolutions: hours")
     parser.add_argument("--fluid-ranks", metavar="N", help="ranks of each run")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write the results there as well")
+    parser.add_argument("--resume", type=pathlib.Path, metavar="DIR",
+                        help="results of a validation that was interrupted: runs that ended there, by the same commit, are taken as they are")
     parser.add_argument("--report", type=pathlib.Path, metavar="DIR",
                         help="write report.md, report.html and a picture a case there; other cases of a report that is there stay")
     parser.set_defaults(effort="normal")
@@ -193,6 +217,8 @@ def parse(arguments):
     for case in options.cases:
         if case not in cases():
             parser.error(f"there is no case '{case}'; there are: {', '.join(cases())}")
+    if options.resume and not options.resume.is_dir():
+        parser.error(f"--resume {options.resume}: there is no such folder; allowed: one that a validation has named under 'Results'")
     return options
 
 
@@ -271,8 +297,9 @@ def write_whole(path, text):
 
 def validate(options):
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
-    results = ROOT / "runs" / f"validation-{stamp}"
+    results = options.resume.resolve() if options.resume else ROOT / "runs" / f"validation-{stamp}"
     results.mkdir(parents=True, exist_ok=True)
+    print(f"Results: {results} (if interrupted, continue with --resume)", flush=True)
     outcome = {"effort": options.effort, "cases": {}}
     for case in options.cases or cases():
         outcome["cases"][case] = validate_case(case, options, results)
@@ -280,7 +307,6 @@ def validate(options):
             write_whole(path, json.dumps(outcome, indent=1) + "\n")
         if options.report:
             write_report(case, outcome["cases"][case], options.report)
-    print(f"\nResults: {results}")
     if options.report:
         print(f"Report: {options.report}/report.md")
     return 1 if any(result["missed"] for result in outcome["cases"].values()) else 0

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -321,6 +322,33 @@ class ValidationPlotsTest(RunTest):
         self.assertLess(report.index("from another run"), report.index("new"))  # by name
         self.assertNotIn("first outcome", report)
         self.assertIn("Effort: full; commit abc.", report)
+
+    def test_runs_that_ended_are_taken_when_a_validation_is_resumed(self):
+        (self.folder / "embacle").write_text("""#!/bin/sh
+while [ "$1" != --out ]; do shift; done
+echo run >> "$2.count"
+echo '{"wall_seconds": 1}' > "$2/summary.json"
+exit ${STATUS:-0}
+""")
+        (self.folder / "embacle").chmod(0o755)
+        results = self.folder / "results"
+
+        def runs(name, settings, revision, status="0"):
+            with mock.patch.multiple(validate, ROOT=self.folder, revision=lambda: revision), \
+                    mock.patch.dict("os.environ", STATUS=status):
+                done = validate.Context("case", "quick", results).run(name, "scene", settings, allowed=(0, 3, 4))
+            self.assertEqual(done.status, int(status))
+            return (results / "case" / f"{name}.count").read_text().count("run")
+        self.assertEqual(runs("a", ["x=1"], "abc"), 1)
+        self.assertEqual(runs("a", ["x=1"], "abc"), 1)  # taken
+        self.assertEqual(runs("a", ["x=2"], "abc"), 2)  # another command
+        self.assertEqual(runs("a", ["x=2"], "def"), 3)  # other sources
+        self.assertEqual(runs("b", [], "abc-dirty"), 1)
+        self.assertEqual(runs("b", [], "abc-dirty"), 2)  # may be other sources
+        self.assertEqual(runs("c", [], "abc", "3"), 1)
+        self.assertEqual(runs("c", [], "abc", "3"), 1)  # stopped by itself
+        self.assertEqual(runs("d", [], "abc", "4"), 1)
+        self.assertEqual(runs("d", [], "abc", "4"), 2)  # the machine failed
 
     def test_a_report_is_a_page_as_well(self):
         case = {"title": "Wave", "effort": "full", "revision": "abc", "error": None, "curves": []}
