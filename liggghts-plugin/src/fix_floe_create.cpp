@@ -19,6 +19,7 @@ FixFloeCreate::FixFloeCreate(LAMMPS* lammps, int argc, char** argv) : Fix(lammps
   restart_global = 1;
   where_ = fmt::format("fix {} {}", id, style);
   list_ = read_floe_list(where_, std::vector<std::string>(argv + 3, argv + argc), atom->ntypes);
+  list_.cover(world);
   if (!atom->radius_flag || !atom->rmass_flag || !atom->density_flag) {
     throw InputError(where_ + ": needs 'atom_style granular'");
   }

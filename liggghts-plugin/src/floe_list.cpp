@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "floe_file.hpp"
 
@@ -150,9 +151,59 @@ int FloeList::add_shape(FloeShape shape) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (shapes[i].same_as(shape)) return static_cast<int>(i);
   }
-  shape.cover();
   shapes.push_back(std::move(shape));
   return static_cast<int>(shapes.size()) - 1;
+}
+
+void FloeList::cover(MPI_Comm comm) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+  const int count = static_cast<int>(shapes.size());
+  int failed = count;  // the first shape that has no covering
+  std::string message;
+  std::vector<double> mine, all;  // of each shape of a rank: the number of spheres, then x, y, z, radius of each
+  for (int i = rank; i < count && message.empty(); i += size) {
+    try {
+      shapes[i].cover();
+    } catch (const coupling::InputError& error) {
+      failed = i;
+      message = error.what();
+      continue;
+    }
+    mine.push_back(static_cast<double>(shapes[i].spheres.size()));
+    for (const auto& [centre, radius] : shapes[i].spheres)
+      mine.insert(mine.end(), {centre.x(), centre.y(), centre.z(), radius});
+  }
+  if (size > 1) {
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MIN, comm);
+    if (failed < count) {
+      const int speaker = failed % size;
+      int length = static_cast<int>(message.size());
+      MPI_Bcast(&length, 1, MPI_INT, speaker, comm);
+      message.resize(static_cast<std::size_t>(length));
+      MPI_Bcast(message.data(), length, MPI_CHAR, speaker, comm);
+    }
+  }
+  if (failed < count) throw coupling::InputError(message);
+  if (size == 1) return;
+  std::vector<int> lengths(size), starts(size);
+  const int length = static_cast<int>(mine.size());
+  MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, comm);
+  std::partial_sum(lengths.begin(), lengths.end() - 1, starts.begin() + 1);
+  all.resize(static_cast<std::size_t>(starts.back()) + lengths.back());
+  MPI_Allgatherv(mine.data(), length, MPI_DOUBLE, all.data(), lengths.data(), starts.data(), MPI_DOUBLE, comm);
+  for (int i = 0; i < count; ++i) {
+    const double* numbers = all.data() + starts[i % size];
+    std::vector<coupling::CoveringSphere> spheres(static_cast<std::size_t>(*numbers++));
+    for (auto& [centre, radius] : spheres) {
+      centre = {numbers[0], numbers[1], numbers[2]};
+      radius = numbers[3];
+      numbers += 4;
+    }
+    starts[i % size] = static_cast<int>(numbers - all.data());
+    shapes[i].take_covering(std::move(spheres));
+  }
 }
 
 FloeList read_floe_list(const std::string& where, const std::vector<std::string>& arguments, int atom_types) {

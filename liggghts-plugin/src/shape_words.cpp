@@ -59,6 +59,11 @@ void FloeShape::cover() {
   }
 }
 
+void FloeShape::take_covering(std::vector<coupling::CoveringSphere> covering) {
+  shape.name = shape_name(shape);
+  spheres = std::move(covering);
+}
+
 std::string covering_report(const FloeShape& floe) {
   const coupling::MassProperties mass = floe.shape.mass_properties();
   const coupling::CoveringError error = floe.shape.covering_error(floe.spheres);

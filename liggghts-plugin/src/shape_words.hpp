@@ -20,8 +20,10 @@ struct FloeShape {
   std::vector<coupling::CoveringSphere> spheres;
 
   [[nodiscard]] bool same_as(const FloeShape& other) const;
-  /// Computes the covering spheres and gives the shape its name. Throws InputError.
+  /// Gives the shape its name and computes the covering spheres. Throws InputError.
   void cover();
+  /// Gives the shape its name and spheres that another rank has computed.
+  void take_covering(std::vector<coupling::CoveringSphere> covering);
 };
 
 /// What a covering is and how far it is from its shape, in a few lines for logs and heads of files.

@@ -190,6 +190,51 @@ std::string failure_of(const std::vector<std::string>& lines, coupling::ExitStat
   return "";
 }
 
+FloeList prisms(const std::vector<double>& lengths, double sphere_radius) {
+  FloeList list;
+  for (const double length : lengths) {
+    FloeShape shape;
+    shape.shape = coupling::make_prism({{0, 0}, {length, 0}, {0, 0.3}}, 0.1, 900);
+    shape.spacing = 0.05;
+    shape.sphere_radius = sphere_radius;
+    list.add_shape(shape);
+  }
+  return list;
+}
+
+TEST(Creation, RanksShareOutTheCoverings) {
+  for (const std::vector<double>& lengths : {std::vector{0.4}, {0.4, 0.45, 0.5, 0.55, 0.6}}) {
+    FloeList shared = prisms(lengths, 0), alone = prisms(lengths, 0);
+    shared.cover(MPI_COMM_WORLD);
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+      alone.shapes[i].cover();
+      EXPECT_EQ(shared.shapes[i].shape.name, alone.shapes[i].shape.name);
+      const auto &mine = shared.shapes[i].spheres, &expected = alone.shapes[i].spheres;
+      ASSERT_EQ(mine.size(), expected.size());
+      for (std::size_t s = 0; s < mine.size(); ++s) {
+        EXPECT_EQ(mine[s].centre, expected[s].centre);
+        EXPECT_EQ(mine[s].radius, expected[s].radius);
+      }
+    }
+  }
+  // The shapes of which some have no room for spheres of 4 cm: every rank names the first, 6 cm long.
+  FloeList narrow = prisms({0.5, 0.6, 0.06, 0.05}, 0.04);
+  try {
+    narrow.cover(MPI_COMM_WORLD);
+    ADD_FAILURE() << "no error";
+  } catch (const coupling::InputError& error) {
+    FloeList first = prisms({0.06}, 0.04);
+    std::string expected;
+    try {
+      first.cover(MPI_COMM_SELF);
+    } catch (const coupling::InputError& alone) {
+      expected = alone.what();
+    }
+    EXPECT_FALSE(expected.empty());
+    EXPECT_EQ(error.what(), expected);
+  }
+}
+
 TEST(Creation, ErrorsNameBodyAndPlace) {
   const auto input = coupling::ExitStatus::input;
   const std::string unit = "fix f all floe/create shape box 0.2 0.2 0.2 density 900 spacing 0.1 ";

@@ -25,7 +25,9 @@ FloeList read(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
-  return read_floe_list("fix floes floe/create", words, 2);
+  FloeList list = read_floe_list("fix floes floe/create", words, 2);
+  for (FloeShape& shape : list.shapes) shape.cover();
+  return list;
 }
 
 /// The message of the InputError that `action` must throw.
