@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 namespace embacle::liggghts {
 
@@ -103,14 +104,11 @@ ConvexShape convex_shape(const coupling::Shape& shape, const std::string& where)
       if (b == 0) face.area = area;
     }
     if (face.area == 0) continue;  // touches the body at an edge or corner only
+    face.box = box_around(face.corners | std::views::transform([&](int c) { return result.corners[c]; }));
     result.faces.push_back(std::move(face));
   }
-  result.box = {result.corners[0], result.corners[0]};
-  for (const Vec3& corner : result.corners) {
-    result.box.lower = result.box.lower.cwiseMin(corner);
-    result.box.upper = result.box.upper.cwiseMax(corner);
-    result.reach = std::max(result.reach, corner.norm());
-  }
+  result.box = box_around(result.corners);
+  for (const Vec3& corner : result.corners) result.reach = std::max(result.reach, corner.norm());
   return result;
 }
 

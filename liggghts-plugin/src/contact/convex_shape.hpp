@@ -14,6 +14,7 @@ struct ConvexShape {
     HalfSpace outside;              ///< unit normal outwards; depth below the face = offset - normal . x
     std::vector<HalfSpace> region;  ///< the places inside the body that are nearest to this face
     std::vector<int> corners;       ///< of the face, as indices
+    coupling::Box box;              ///< around them [m]
     double area = 0;                ///< of the face [m^2]
   };
   std::vector<Face> faces;
@@ -22,6 +23,17 @@ struct ConvexShape {
   double reach = 0;                     ///< radius of the sphere about the origin that holds the body [m]
   double thickness = 0;                 ///< twice the greatest depth inside [m]
 };
+
+/// The box around some places; there must be one.
+template <typename Places>
+coupling::Box box_around(const Places& places) {
+  coupling::Box box{*std::begin(places), *std::begin(places)};
+  for (const coupling::Vec3& place : places) {
+    box.lower = box.lower.cwiseMin(place);
+    box.upper = box.upper.cwiseMax(place);
+  }
+  return box;
+}
 
 /// Flat sides that stand for a cylinder's mantle.
 inline constexpr int cylinder_sides = 48;

@@ -1,6 +1,5 @@
 #include "contact/flat_polygon.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace embacle::liggghts {
@@ -17,23 +16,28 @@ void FlatPolygon::lay(const Vec3& normal, double offset) {
   stretch_ = std::abs(inverse);
 }
 
-bool FlatPolygon::set(const Vec3& normal, double offset, const Vec3& lower, const Vec3& upper) {
+bool FlatPolygon::set(const Vec3& normal, double offset, const Vec3& lower, const Vec3& upper,
+                      std::vector<HalfPlane>& cuts) {
   lay(normal, offset);
+  middle_ = {0.5 * (lower[first_] + upper[first_]), 0.5 * (lower[second_] + upper[second_])};
+  half_ = {upper[first_] - middle_.s, upper[second_] - middle_.t};
+  const double height = level_ - slope_[0] * middle_.s - slope_[1] * middle_.t;
+  const double reach = std::abs(slope_[0]) * half_.s + std::abs(slope_[1]) * half_.t;
+  count_ = 0;
+  if (height - reach > upper[main_] || height + reach < lower[main_]) return false;
   count_ = 4;
   corners_[0] = {lower[first_], lower[second_]};
   corners_[1] = {upper[first_], lower[second_]};
   corners_[2] = {upper[first_], upper[second_]};
   corners_[3] = {lower[first_], upper[second_]};
-  const double middle =
-      level_ - 0.5 * (slope_[0] * (lower[first_] + upper[first_]) + slope_[1] * (lower[second_] + upper[second_]));
-  const double reach = 0.5 * (std::abs(slope_[0]) * (upper[first_] - lower[first_]) +
-                              std::abs(slope_[1]) * (upper[second_] - lower[second_]));
-  if (middle - reach > upper[main_] || middle + reach < lower[main_]) {
-    count_ = 0;
-    return false;
-  }
-  return (middle + reach <= upper[main_] || cut({Vec3::Unit(main_), upper[main_]})) &&
-         (middle - reach >= lower[main_] || cut({-Vec3::Unit(main_), -lower[main_]}));
+  if (height + reach > upper[main_]) cuts.push_back({-slope_[0], -slope_[1], upper[main_] - level_});
+  if (height - reach < lower[main_]) cuts.push_back({slope_[0], slope_[1], level_ - lower[main_]});
+  return true;
+}
+
+bool FlatPolygon::set(const Vec3& normal, double offset, const Vec3& lower, const Vec3& upper) {
+  std::vector<HalfPlane> cuts;
+  return set(normal, offset, lower, upper, cuts) && cut(cuts);
 }
 
 void FlatPolygon::set(const Vec3& normal, double offset, const coupling::Triangle& triangle) {
@@ -42,35 +46,44 @@ void FlatPolygon::set(const Vec3& normal, double offset, const coupling::Triangl
   for (int c = 0; c < 3; ++c) corners_[c] = {triangle[c][first_], triangle[c][second_]};
 }
 
-bool FlatPolygon::cut(const HalfSpace& half_space) {
-  const double steep = half_space.normal[main_];
-  const double a = half_space.normal[first_] - steep * slope_[0];
-  const double b = half_space.normal[second_] - steep * slope_[1];
-  const double c = half_space.offset - steep * level_;
-  if (above_.size() < 2 * count_) {
-    above_.resize(4 * count_);
-    spare_.resize(4 * count_);
-    corners_.resize(std::max(corners_.size(), 4 * count_));
+bool FlatPolygon::gather(std::span<const HalfSpace> half_spaces, std::vector<HalfPlane>& cuts) const {
+  for (const HalfSpace& half_space : half_spaces) {
+    const HalfPlane here = trace(half_space);
+    const double beyond = here.a * middle_.s + here.b * middle_.t - here.c;
+    const double reach = std::abs(here.a) * half_.s + std::abs(here.b) * half_.t;
+    if (beyond > reach) return false;
+    if (beyond > -reach) cuts.push_back(here);
   }
-  std::size_t outside = 0;
+  return true;
+}
+
+bool FlatPolygon::cut(const HalfPlane& half_plane) {
+  if (count_ == 0) return false;
+  // A cut adds one corner; where rounding has bent the outline, at most one for each that it takes.
+  if (spare_.size() < 2 * count_) spare_.resize(4 * count_);
+  const auto beyond = [half_plane](const Corner& corner) {
+    return half_plane.a * corner.s + half_plane.b * corner.t - half_plane.c;
+  };
+  Corner before = corners_[count_ - 1];
+  double above_before = beyond(before);
+  std::size_t kept = 0;
+  bool whole = true;
   for (std::size_t k = 0; k < count_; ++k) {
-    above_[k] = a * corners_[k].s + b * corners_[k].t - c;
-    outside += above_[k] > 0 ? 1 : 0;
-  }
-  if (outside == 0) return count_ > 0;
-  if (outside == count_) {
-    count_ = 0;
-    return false;
-  }
-  std::size_t kept = 0, before = count_ - 1;
-  for (std::size_t k = 0; k < count_; before = k++) {
-    if ((above_[k] > 0) != (above_[before] > 0)) {
-      const double share = above_[before] / (above_[before] - above_[k]);
-      spare_[kept++] = {corners_[before].s + share * (corners_[k].s - corners_[before].s),
-                        corners_[before].t + share * (corners_[k].t - corners_[before].t)};
+    const Corner here = corners_[k];
+    const double above = beyond(here);
+    if ((above > 0) != (above_before > 0)) {
+      const double share = above_before / (above_before - above);
+      spare_[kept++] = {before.s + share * (here.s - before.s), before.t + share * (here.t - before.t)};
     }
-    if (above_[k] <= 0) spare_[kept++] = corners_[k];
+    if (above > 0) {
+      whole = false;
+    } else {
+      spare_[kept++] = here;
+    }
+    before = here;
+    above_before = above;
   }
+  if (whole) return true;
   corners_.swap(spare_);
   count_ = kept < 3 ? 0 : kept;
   return count_ > 0;

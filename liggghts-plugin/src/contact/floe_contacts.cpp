@@ -271,9 +271,8 @@ void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) 
   LastForce& last = last_[&body - bodies_.data()];
   last.force += force;
   last.torque += torque;
-  Multisphere& bodies = multisphere_->data();
-  Eigen::Map<Vec3>(bodies.extract_double_vector("fcm")[body.local]) += force;
-  Eigen::Map<Vec3>(bodies.extract_double_vector("torque")[body.local]) += torque;
+  Eigen::Map<Vec3>(forces_[body.local]) += force;
+  Eigen::Map<Vec3>(torques_[body.local]) += torque;
 }
 
 void FloeContacts::check(const Patch& patch, double inverse_mass, double strength, BodyTag body, BodyTag other) const {
@@ -508,6 +507,9 @@ void FloeContacts::update() {
 }
 
 void FloeContacts::compute_all(bool advance) {
+  Multisphere& bodies = multisphere_->data();
+  forces_ = bodies.extract_double_vector("fcm");
+  torques_ = bodies.extract_double_vector("torque");
   for (Pair& pair : pairs_) compute_pair(pair, advance);
   for (WallPair& pair : wall_pairs_) compute_wall(pair, advance);
 }

@@ -177,6 +177,8 @@ class FloeContacts {
   Memory remembered_;
   std::int64_t built_ = -1;
   Patch patch_;
+  double** forces_ = nullptr;   ///< where LIGGGHTS sums up those on owned bodies [N]
+  double** torques_ = nullptr;  ///< likewise [N m]
 };
 
 }  // namespace embacle::liggghts

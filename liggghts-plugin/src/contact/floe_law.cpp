@@ -113,7 +113,8 @@ coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const
   double twist = memory.twist;
   // Force and torque on one scale [N]; friction is limited in it.
   const auto grip = [lever](const Vec3& force, double torque) {
-    return std::hypot(force.norm(), lever > 0 ? torque / lever : 0.0);
+    const double twisting_force = lever > 0 ? torque / lever : 0.0;
+    return std::sqrt(force.squaredNorm() + twisting_force * twisting_force);
   };
   if (advance) {
     spring *= rescaled(memory.spring_stiffness, stiffness);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
 
 namespace embacle::liggghts {
 
@@ -71,15 +72,13 @@ struct NearFaces {
     faces.clear();
     bounds.clear();
   }
-  /// Adds a face whose region is within `depth` [m] of its corners; `around`: a box around the overlap.
+  [[nodiscard]] std::span<const HalfSpace> of(const NearFace& face) const {
+    return {bounds.data() + face.begin, face.end - face.begin};
+  }
+  /// Adds a face in a box, which holds places of its region down to `depth` [m]; `around`: a box around the overlap.
   template <typename Transform>
-  void add(const ConvexShape::Face& face, const std::vector<Vec3>& corners, double hardness, double depth,
-           const coupling::Box& around, const Transform& to_frame) {
-    coupling::Box box{corners[face.corners[0]], corners[face.corners[0]]};
-    for (const int c : face.corners) {
-      box.lower = box.lower.cwiseMin(corners[c]);
-      box.upper = box.upper.cwiseMax(corners[c]);
-    }
+  void add(const ConvexShape::Face& face, coupling::Box box, double hardness, double depth, const coupling::Box& around,
+           const Transform& to_frame) {
     box.lower = (box.lower.array() - depth).matrix().cwiseMax(around.lower);
     box.upper = (box.upper.array() + depth).matrix().cwiseMin(around.upper);
     if ((box.lower.array() > box.upper.array()).any()) return;
@@ -96,26 +95,6 @@ struct NearFaces {
     faces.push_back({box, pressure_field(hardness, to_frame(face.outside)), begin, bounds.size()});
   }
 };
-
-/// Whether a box is out of reach of one of the half-spaces.
-bool missed(const std::vector<HalfSpace>& bounds, const NearFace& face, const MiddleBox& box) {
-  return std::any_of(bounds.begin() + face.begin, bounds.begin() + face.end,
-                     [&](const HalfSpace& bound) { return bound.misses(box.centre, box.half); });
-}
-
-bool cut_by(const std::vector<HalfSpace>& bounds, const NearFace& face, FlatPolygon& polygon) {
-  return std::all_of(bounds.begin() + face.begin, bounds.begin() + face.end,
-                     [&](const HalfSpace& bound) { return polygon.cut(bound); });
-}
-
-coupling::Box box_around(const std::vector<Vec3>& corners) {
-  coupling::Box box{corners[0], corners[0]};
-  for (const Vec3& corner : corners) {
-    box.lower = box.lower.cwiseMin(corner);
-    box.upper = box.upper.cwiseMax(corner);
-  }
-  return box;
-}
 
 /// Area [m^2] of the largest side of a box.
 double largest_section(const coupling::Box& box) {
@@ -148,32 +127,35 @@ void press(const PosedShape& first, const PosedShape& second, double overlap_dep
   thread_local NearFaces ours, theirs;
   thread_local std::vector<Vec3> their_corners;
   thread_local FlatPolygon polygon;
-  // In the frame of the first body, where the boxes around its faces are tight. Neither pressure in the overlap exceeds
-  // what the overlap's depth gives in the harder body.
+  thread_local std::vector<FlatPolygon::HalfPlane> cuts;
+  // In the frame of the first body, where the boxes around its faces are tight. A place at a depth below the face that
+  // separates them best is at most the rest of the overlap's depth below the other's surface; where the pressures are
+  // equal, both depths follow.
   const coupling::Mat3 turn = first.axes.transpose() * second.axes;
   // Faces of both bodies that lie in one plane would have the same pressure in a whole region: a hair between them,
   // which is fixed to the first body and so changes the potential but not that there is one.
-  const Vec3 shift =
-      first.axes.transpose() * (second.position - first.position) + 1e-12 * first.shape->reach * Vec3(1.0, 1.3, 1.7);
+  const Vec3 hair = 1e-12 * first.shape->reach * Vec3(1.0, 1.3, 1.7);
+  const Vec3 shift = first.axes.transpose() * (second.position - first.position) + hair;
   their_corners.clear();
   for (const Vec3& corner : second.shape->corners) their_corners.emplace_back(shift + turn * corner);
   coupling::Box around = box_around(their_corners);
   around.lower = around.lower.cwiseMax(first.shape->box.lower);
   around.upper = around.upper.cwiseMin(first.shape->box.upper);
-  const double most = std::max(first.hardness, second.hardness) * overlap_depth * (1 + 1e-9);
+  const double spring = first.hardness * second.hardness / (first.hardness + second.hardness);
+  const double most = spring * (overlap_depth * (1 + 1e-9) + hair.norm());
   ours.clear();
   theirs.clear();
   for (const auto& face : first.shape->faces) {
-    ours.add(face, first.shape->corners, first.hardness, most / first.hardness, around,
+    ours.add(face, face.box, first.hardness, most / first.hardness, around,
              [](const HalfSpace& bound) { return bound; });
   }
   for (const auto& face : second.shape->faces) {
-    theirs.add(face, their_corners, second.hardness, most / second.hardness, around, [&](const HalfSpace& bound) {
+    const auto corners = face.corners | std::views::transform([&](int c) -> const Vec3& { return their_corners[c]; });
+    theirs.add(face, box_around(corners), second.hardness, most / second.hardness, around, [&](const HalfSpace& bound) {
       const Vec3 normal = turn * bound.normal;
       return HalfSpace{normal, bound.offset + normal.dot(shift)};
     });
   }
-  const double spring = first.hardness * second.hardness / (first.hardness + second.hardness);
   const double negligible = 1e-7 * largest_section(around);
   for (const NearFace& f : ours.faces) {
     for (const NearFace& g : theirs.faces) {
@@ -184,12 +166,14 @@ void press(const PosedShape& first, const PosedShape& second, double overlap_dep
       const double value = f.pressure.value - g.pressure.value;
       const MiddleBox middle(box);
       if (std::abs(difference.dot(middle.centre) + value) > difference.cwiseAbs().dot(middle.half)) continue;
-      if (missed(ours.bounds, f, middle) || missed(theirs.bounds, g, middle)) continue;
+      const auto missed = [&](const HalfSpace& bound) { return bound.misses(middle.centre, middle.half); };
+      if (std::ranges::any_of(ours.of(f), missed) || std::ranges::any_of(theirs.of(g), missed)) continue;
       const double length = difference.norm();
       if (length < 1e-9 * (first.hardness + second.hardness)) continue;
       const Vec3 normal = difference / length;
-      if (polygon.set(normal, -value / length, box.lower, box.upper) && cut_by(ours.bounds, f, polygon) &&
-          cut_by(theirs.bounds, g, polygon)) {
+      cuts.clear();
+      if (polygon.set(normal, -value / length, box.lower, box.upper, cuts) && polygon.gather(ours.of(f), cuts) &&
+          polygon.gather(theirs.of(g), cuts) && polygon.cut(cuts)) {
         add_polygon(first, polygon, normal, f.pressure, spring, patch);
       }
     }
