@@ -360,6 +360,32 @@ TEST(FloeContact, StopsWhereItWouldBeWrong) {
   EXPECT_NE(message("5e6", 50).find("body 1 and fix floor press into each other"), std::string::npos);
 }
 
+TEST(FloeContact, WarnsWhereAHeavyBodyWouldReboundTooMuch) {
+  if (!alone()) GTEST_SKIP();
+  // Onto a light box that lies on the floor.
+  const auto warned = [](double ratio, double step) {
+    Solids solids;
+    solids.prepare("5e7", "floe");
+    FILE* const before = solids.lammps()->screen;
+    FILE* const screen = solids.lammps()->screen = std::tmpfile();
+    solids.run({fmt::format("timestep {}", step), floor_wall,
+                "fix floes all floe/create " + box(8) + "position 0 0 0.050001 " +
+                    fmt::format("shape box 0.2 0.2 0.1 density {} spheres 8 position 0 0 0.150002 velocity 0 0 -0.1",
+                                900 * ratio),
+                "run 200"});
+    std::rewind(screen);
+    std::string text(100000, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), screen));
+    std::fclose(screen);
+    solids.lammps()->screen = before;
+    return text.find("body 1 is pressed by body 2") != std::string::npos;
+  };
+  EXPECT_FALSE(warned(1, 6e-5));
+  EXPECT_FALSE(warned(100, 6e-5));
+  EXPECT_TRUE(warned(1000, 6e-5));
+  EXPECT_FALSE(warned(1000, 1.2e-5));
+}
+
 TEST(FloeContact, RefusesWhatItDoesNotKnow) {
   if (!alone()) GTEST_SKIP();
   const auto refused = [](const std::vector<std::string>& lines) {

@@ -23,7 +23,6 @@ using coupling::Vec3;
 
 namespace {
 
-const std::string model = "pair_style gran model floe";
 constexpr int state_size = 14;  // position, orientation, velocity, angular velocity, contacts
 
 FixPropertyGlobal* find_property(LAMMPS* lammps, const char* name, const char* kind) {
@@ -32,7 +31,7 @@ FixPropertyGlobal* find_property(LAMMPS* lammps, const char* name, const char* k
   auto* found = static_cast<FixPropertyGlobal*>(lammps->modify->find_fix_property(
       name, "property/global", kind, types, pairwise ? types : 0, "model floe", false));
   if (!found) {
-    throw InputError(fmt::format("{}: needs 'fix ID all property/global {} {} ...'", model, name, kind));
+    throw InputError(fmt::format("{}: needs 'fix ID all property/global {} {} ...'", floe_model_name, name, kind));
   }
   return found;
 }
@@ -67,9 +66,9 @@ double in_springs(const ContactMemory& memory) {
 }  // namespace
 
 void FloeContacts::prepare() {
-  multisphere_ = find_multisphere(lammps_, model);
+  multisphere_ = find_multisphere(lammps_, floe_model_name);
   if (!(lammps_->update->dt > 0)) {
-    throw InputError(fmt::format("{}: the time step must be positive, not {} s", model, lammps_->update->dt));
+    throw InputError(fmt::format("{}: the time step must be positive, not {} s", floe_model_name, lammps_->update->dt));
   }
   const auto shapes = floe_shapes(lammps_);
   materials_.clear();
@@ -81,18 +80,19 @@ void FloeContacts::prepare() {
   young_.assign(young->get_values(), young->get_values() + types);
   contact_materials_.assign(types, std::vector<ContactMaterial>(types));
   for (int i = 0; i < types; ++i) {
-    if (!(young_[i] > 0)) throw InputError(fmt::format("{}: youngsModulus of type {} must be positive", model, i + 1));
+    if (!(young_[i] > 0))
+      throw InputError(fmt::format("{}: youngsModulus of type {} must be positive", floe_model_name, i + 1));
     for (int j = 0; j < types; ++j) {
       const double e = restitution->compute_array(i, j), mu = friction->compute_array(i, j);
       if (!(e >= 0 && e <= 1 && mu >= 0)) {
         throw InputError(fmt::format(
             "{}: coefficientRestitution {} or coefficientFriction {} of the types {} and {} is out of range: "
             "allowed are 0 to 1, and 0 or more",
-            model, e, mu, i + 1, j + 1));
+            floe_model_name, e, mu, i + 1, j + 1));
       }
       if (e < least_restitution && j <= i && lammps_->comm->me == 0) {
         lammps_->error->warning(FLERR, fmt::format("{}: coefficientRestitution {} of the types {} and {} acts as {}",
-                                                   model, e, i + 1, j + 1, least_restitution)
+                                                   floe_model_name, e, i + 1, j + 1, least_restitution)
                                            .c_str());
       }
       contact_materials_[i][j] =
@@ -101,7 +101,7 @@ void FloeContacts::prepare() {
   }
   for (const FloeShape* shape : shapes) {
     Material material;
-    material.shape = convex_shape(shape->shape, model);
+    material.shape = convex_shape(shape->shape, floe_model_name);
     material.atom_type = shape->atom_type;
     // Pressed between two plates, a body of this thickness yields as its modulus asks.
     material.hardness = young_[shape->atom_type - 1] / material.shape.thickness;
@@ -175,8 +175,8 @@ void FloeContacts::find_owned() {
     body.owner = rank;
     body.local = i;
     if (body.shape < 0 || body.shape >= static_cast<int>(materials_.size())) {
-      throw InputError(
-          fmt::format("{}: the shape of body {} is not known; bodies come from fix floe/create", model, body.tag));
+      throw InputError(fmt::format("{}: the shape of body {} is not known; bodies come from fix floe/create",
+                                   floe_model_name, body.tag));
     }
     bodies_.push_back(body);
   }
@@ -275,63 +275,6 @@ void FloeContacts::add(const Body& body, const Vec3& force, const Vec3& torque) 
   Eigen::Map<Vec3>(torques_[body.local]) += torque;
 }
 
-void FloeContacts::check(const Patch& patch, double inverse_mass, double strength, BodyTag body, BodyTag other) const {
-  const double frequency = std::sqrt(patch.stiffness * inverse_mass), step = lammps_->update->dt;
-  const double pressure = patch.highest;
-  constexpr double coarsest = 0.5;  // six steps a contact; beyond 2 the integration explodes
-  constexpr double deepest = 0.8;   // of the way to the middle of a body, beyond which it is pushed out at the back
-  if (step * frequency <= coarsest && pressure <= deepest * strength) return;
-  const std::string who = names_of(body, other);
-  if (pressure > deepest * strength) {
-    throw coupling::InstabilityError(fmt::format(
-        "{}: at step {} {} press into each other almost to the middle, with {:.3g} Pa: youngsModulus is too "
-        "low for their speed, or the time step of {:.3g} s too long",
-        model, lammps_->update->ntimestep, who, pressure, step));
-  }
-  throw coupling::InstabilityError(fmt::format(
-      "{}: at step {} the time step of {:.3g} s is too long for the contact of {}, which lasts {:.3g} s: at "
-      "most {:.3g} s, better {:.1g} s; or a lower youngsModulus",
-      model, lammps_->update->ntimestep, step, who, std::numbers::pi / frequency, coarsest / frequency,
-      std::numbers::pi / 20 / frequency));
-}
-
-std::string FloeContacts::names_of(BodyTag body, BodyTag other) const {
-  return other > 0 ? fmt::format("the bodies {} and {}", body, other)
-                   : fmt::format("body {} and fix {}", body, walls_[-1 - other].fix->id);
-}
-
-void FloeContacts::check_first_touch(const Patch& patch, double hardness, double way, double size, BodyTag body,
-                                     BodyTag other) const {
-  constexpr double rounding = 2e-3;  // of a body's size: the flat sides of a mantle
-  if (patch.highest / hardness <= 3 * way + rounding * size) return;
-  throw coupling::InstabilityError(fmt::format(
-      "{}: at step {} {} overlap by {:.3g} m all at once, more than their speed explains: were they created in each "
-      "other?",
-      model, lammps_->update->ntimestep, names_of(body, other), patch.highest / hardness));
-}
-
-void FloeContacts::check_way(double gap, double way, double thickness, BodyTag body, BodyTag other) const {
-  if (gap >= way || way <= 0.5 * thickness) return;
-  throw coupling::InstabilityError(
-      fmt::format("{}: at step {} {} could pass through each other unseen: they approach by up to {:.3g} m in a time "
-                  "step of {:.3g} s, more than half the thickness of {:.3g} m",
-                  model, lammps_->update->ntimestep, names_of(body, other), way, lammps_->update->dt, thickness));
-}
-
-void FloeContacts::check_ways() const {
-  // Who is not in the lists is farther than two skins.
-  const double most = std::max(lammps_->neighbor->skin, 0.5 * thinnest_);
-  for (std::size_t b = 0; b < owned_; ++b) {
-    const double way = bodies_[b].fastest * lammps_->update->dt;
-    if (way <= most) continue;
-    throw coupling::InstabilityError(
-        fmt::format("{}: at step {} body {} moves by up to {:.3g} m in a time step of {:.3g} s, more than the skin of "
-                    "'neighbor' and "
-                    "half the thickness of a body: it could pass through others unseen",
-                    model, lammps_->update->ntimestep, bodies_[b].tag, way, lammps_->update->dt));
-  }
-}
-
 void FloeContacts::compute_pair(Pair& pair, bool advance) {
   Body& first = bodies_[pair.first];
   Body& second = bodies_[pair.second];
@@ -364,6 +307,7 @@ void FloeContacts::compute_pair(Pair& pair, bool advance) {
   }
   check(patch_, first.motion.inverse_mass + second.motion.inverse_mass,
         std::min(strength(first.shape), strength(second.shape)), first.tag, second.tag);
+  if (advance) warn_of_light_between(patch_, first, second);
   RigidMotion of_first = first.motion, of_second = second.motion;
   of_first.position = Vec3::Zero();
   of_second.position = apart;
@@ -484,7 +428,8 @@ FloeContacts::Energy FloeContacts::stored_energy() {
   }
   for (const WallPair& pair : wall_pairs_) {
     const Wall& wall = walls_[pair.wall];
-    if (wall.mesh) throw InputError(fmt::format("{}: the energy in contacts with meshes is not known", model));
+    if (wall.mesh)
+      throw InputError(fmt::format("{}: the energy in contacts with meshes is not known", floe_model_name));
     if (pair.memory[0].touching == 0) continue;
     Body& body = bodies_[pair.body];
     PosedShape shape = posed(body, body.motion.position);

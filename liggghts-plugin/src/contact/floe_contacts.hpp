@@ -9,6 +9,9 @@
 
 namespace embacle::liggghts {
 
+/// How messages name the model.
+inline const std::string floe_model_name = "pair_style gran model floe";
+
 /// The state of the contacts, for those who choose time steps.
 struct FloeContactOutlook {
   bool may_touch = false;  ///< some pair of this rank can close its gap within the time asked for
@@ -134,6 +137,8 @@ class FloeContacts {
   /// Throws InstabilityError if bodies could pass through each other, or a plane, within a step.
   void check_way(double gap, double way, double thickness, coupling::BodyTag body, coupling::BodyTag other) const;
   void check_ways() const;
+  /// Warns once if a body between others is so light that the damping of a heavy one's impact is cut short.
+  void warn_of_light_between(const Patch& patch, const Body& first, const Body& second);
   [[nodiscard]] std::string names_of(coupling::BodyTag body, coupling::BodyTag other) const;
   /// Pressure [Pa] in the middle of a shape.
   [[nodiscard]] double strength(int shape) const {
@@ -177,6 +182,7 @@ class FloeContacts {
   Memory remembered_;
   std::int64_t built_ = -1;
   Patch patch_;
+  bool warned_of_light_ = false;
   double** forces_ = nullptr;   ///< where LIGGGHTS sums up those on owned bodies [N]
   double** torques_ = nullptr;  ///< likewise [N m]
 };
