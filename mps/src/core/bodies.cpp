@@ -31,7 +31,7 @@ constexpr double largest_acceleration_in_g = 2.0;
 
 /// Of a body's face, in particle distances. Nearer ones are thrown off; farther ones press too little on thin plates
 /// (docs/coupling.md).
-constexpr double nearest_at_start = 0.5;
+constexpr double nearest_at_start = 0.35;
 
 Vec3 limited(const Vec3& vector, double largest) {
   const double norm = vector.norm();
