@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <ranges>
 
 namespace embacle::liggghts {
 
@@ -104,7 +103,7 @@ ConvexShape convex_shape(const coupling::Shape& shape, const std::string& where)
       if (b == 0) face.area = area;
     }
     if (face.area == 0) continue;  // touches the body at an edge or corner only
-    face.box = box_around(face.corners | std::views::transform([&](int c) { return result.corners[c]; }));
+    face.box = box_around(face.corners, [&](int c) -> const Vec3& { return result.corners[c]; });
     result.faces.push_back(std::move(face));
   }
   result.box = box_around(result.corners);

@@ -1,6 +1,7 @@
 // A convex body as contacts see it: its faces, and which places inside are nearest to which face. No LIGGGHTS here.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "contact/flat_polygon.hpp"
@@ -24,13 +25,13 @@ struct ConvexShape {
   double thickness = 0;                 ///< twice the greatest depth inside [m]
 };
 
-/// The box around some places; there must be one.
-template <typename Places>
-coupling::Box box_around(const Places& places) {
-  coupling::Box box{*std::begin(places), *std::begin(places)};
-  for (const coupling::Vec3& place : places) {
-    box.lower = box.lower.cwiseMin(place);
-    box.upper = box.upper.cwiseMax(place);
+/// The box around what `place` makes of some things; there must be one.
+template <typename Things, typename Place = std::identity>
+coupling::Box box_around(const Things& things, const Place& place = {}) {
+  coupling::Box box{place(things.front()), place(things.front())};
+  for (const auto& thing : things) {
+    box.lower = box.lower.cwiseMin(place(thing));
+    box.upper = box.upper.cwiseMax(place(thing));
   }
   return box;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <ranges>
 
 namespace embacle::liggghts {
 
@@ -150,8 +149,8 @@ void press(const PosedShape& first, const PosedShape& second, double overlap_dep
              [](const HalfSpace& bound) { return bound; });
   }
   for (const auto& face : second.shape->faces) {
-    const auto corners = face.corners | std::views::transform([&](int c) -> const Vec3& { return their_corners[c]; });
-    theirs.add(face, box_around(corners), second.hardness, most / second.hardness, around, [&](const HalfSpace& bound) {
+    const auto box = box_around(face.corners, [&](int c) -> const Vec3& { return their_corners[c]; });
+    theirs.add(face, box, second.hardness, most / second.hardness, around, [&](const HalfSpace& bound) {
       const Vec3 normal = turn * bound.normal;
       return HalfSpace{normal, bound.offset + normal.dot(shift)};
     });
