@@ -2,8 +2,8 @@
 
 The screen stops ice, not water. The discharge grows slowly; V is discharge over level upstream, H that level, both in the second
 before the floe stands steeper than 30 degrees. Reference: pariset_frontal_stability.csv (a floe of specific gravity s = 0.917 whose
-upper face is drawn down to the water, V = (1 - t/H) sqrt(2 g t (1 - s))). Floes here are lighter, because a freeboard of
-less than about a particle is not resolved; their Froude numbers are compared by sqrt((1 - 0.917)/(1 - s)).
+upper face is drawn down to the water, V = (1 - t/H) sqrt(2 g t (1 - s))). Most floes here are lighter, because a freeboard
+of less than about a particle is not resolved; their Froude numbers are compared by sqrt((1 - 0.917)/(1 - s)).
 """
 
 import csv
@@ -17,8 +17,8 @@ GRAVITY, THICKNESS, START, END = 9.81, 0.04, 4, 20  # [m/s2], [m], of the ramp [
 SLOWEST, FASTEST = 0.8, 1.3  # the ramp, in terms of Pariset's speed at the outlet's level
 # (level [m], specific gravity, l0 [m])
 FLOES = {"quick": [(0.2, 0.6, 0.01)]}
-FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01)]
-FLOES["full"] = [*FLOES["normal"], (0.2, 0.6, 0.005), (0.2, 0.8, 0.005)]
+FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01), (0.1333, 0.917, 0.004)]
+FLOES["full"] = [*FLOES["normal"], (0.2, 0.6, 0.005), (0.2, 0.8, 0.005), (0.2, 0.917, 0.004)]
 REFERENCE_GRAVITY, RESOLVED = 0.917, 0.75  # of the reference; freeboard/l0 from which on the bar must be met
 
 
