@@ -78,6 +78,33 @@ TEST(ContactPatch, FlushFacesAreCountedOnce) {
   EXPECT_NEAR(load_of(patch).force.x(), -expected, 1e-5 * expected);
 }
 
+TEST(ContactPatch, SpreadIsThatOfThePressureHoweverThePatchFallsIntoTriangles) {
+  const ConvexShape shape = box(0.2, 0.2, 0.1);
+  const auto spread_of = [&](double tilt, double turn, double depth) {
+    const Mat3 axes =
+        (Eigen::AngleAxisd(turn, Vec3::UnitZ()) * Eigen::AngleAxisd(tilt, Vec3::UnitX())).toRotationMatrix();
+    const PosedShape body{&shape, axes, Vec3::Zero(), 5e8};
+    const double low = 0.1 * std::abs(std::sin(tilt)) + 0.05 * std::cos(tilt);
+    Patch patch;
+    press_plane(body, Vec3(0, 0, depth - low), Vec3::UnitZ(), patch);
+    Vec3 centre = Vec3::Zero();
+    double weight = 0;
+    for (const auto& place : patch.places) {
+      centre += place.size * place.position;
+      weight += place.size;
+    }
+    return patch.spread / weight - (centre / weight).squaredNorm();
+  };
+  // Flat: a square under even pressure, but for its rim.
+  EXPECT_NEAR(spread_of(0, 0, 1e-6), 0.2 * 0.2 / 6, 1e-4 * 0.2 * 0.2 / 6);
+  // On an edge: nearly a line, and the same whichever axes the polygon is projected along.
+  const double expected = 0.2 * 0.2 / 12;
+  for (int k = 0; k < 40; ++k) {
+    EXPECT_NEAR(spread_of(0.3, 0.17 * k, 1e-5), expected, 1e-3 * expected);
+    EXPECT_NEAR(spread_of(0.3, 0.17 * k, 1e-5), spread_of(0.3, 0, 1e-5), 1e-9 * expected);
+  }
+}
+
 /// Work [J] along a closed path of one body around another, relative to the sum of its sizes.
 double relative_circulation(const ConvexShape& moving, const ConvexShape& fixed, int steps) {
   double work = 0, traffic = 0;

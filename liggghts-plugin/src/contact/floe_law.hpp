@@ -70,8 +70,8 @@ struct ContactSurroundings {
 /// number. Turning about the centre adds a tenth of x w / w0, with w its approach speed at each place and w0 that of
 /// the patch's rim, or a tenth of v0 if that is more: rocking dies out, and rolling loses little.
 /// Friction: one spring of force and one of twist at the centre of pressure, damped as restitution asks, both limited
-/// together by (T / mu F)^2 + (M / mu F r)^2 <= 1 with r the mean distance of the pressure from its centre. The springs
-/// never store more than the bodies gave them.
+/// together by (T / mu F)^2 + (M / mu F r)^2 <= 1 with r the mean distance of the pressure from its centre, taken as
+/// 0.9 of the root of its mean square. The springs never store more than the bodies gave them.
 coupling::Load contact_force(const Patch& patch, const RigidMotion& first, const RigidMotion& second,
                              const ContactMaterial& material, const ContactSurroundings& around, bool advance,
                              ContactMemory& memory);

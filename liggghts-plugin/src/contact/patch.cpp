@@ -22,32 +22,42 @@ PressureField pressure_field(double hardness, const HalfSpace& outside) {
 }
 
 /// Adds a polygon with a linear pressure. The middles of the edges of its triangles integrate quadratic functions
-/// exactly, so also moments of the pressure; triangles side by side share one. The polygon, `pressure` and the unit
-/// normal towards the first body are in the frame of `pose`.
+/// exactly, so also moments of the pressure; triangles side by side share one. The spread, of third order, takes the
+/// corners and centroids as well. The polygon, `pressure` and the unit normal towards the first body are in the frame
+/// of `pose`.
 void add_polygon(const PosedShape& pose, const FlatPolygon& polygon, const Vec3& normal, const PressureField& pressure,
                  double spring, Patch& patch) {
+  using Corner = FlatPolygon::Corner;
   const Vec3 origin = pose.to_global(polygon.origin());
   const Vec3 along = pose.axes * polygon.along(), across = pose.axes * polygon.across();
   const Vec3 direction = pose.axes * normal;
   const double at_origin = pressure(polygon.origin());
   const double per_s = pressure.slope.dot(polygon.along()), per_t = pressure.slope.dot(polygon.across());
-  const auto add_middle = [&](std::size_t a, std::size_t b, double area) {
-    const double s = 0.5 * (polygon.corner(a).s + polygon.corner(b).s);
-    const double t = 0.5 * (polygon.corner(a).t + polygon.corner(b).t);
-    const double here = std::max(0.0, at_origin + s * per_s + t * per_t);
-    const double size = here * area;
+  const auto place = [&](const Corner& at) -> Vec3 { return origin + at.s * along + at.t * across; };
+  const auto pressed = [&](const Corner& at) { return std::max(0.0, at_origin + at.s * per_s + at.t * per_t); };
+  const auto moment = [&](const Corner& at) { return pressed(at) * place(at).squaredNorm(); };
+  const auto middle = [](const Corner& a, const Corner& b) { return Corner{0.5 * (a.s + b.s), 0.5 * (a.t + b.t)}; };
+  const auto add = [&](const Corner& at, double area) {
+    const double here = pressed(at), size = here * area;
     patch.highest = std::max(patch.highest, here);
-    patch.places.push_back({origin + s * along + t * across, size * direction, size});
+    patch.places.push_back({place(at), size * direction, size});
   };
+  const Corner& a = polygon.corner(0);
   double before = 0, whole = 0;
-  for (std::size_t c = 2; c < polygon.size(); ++c) {
-    const double area = polygon.area(c);
-    add_middle(0, c - 1, (before + area) / 3);
-    add_middle(c - 1, c, area / 3);
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const double area = polygon.area(k);
+    const Corner &b = polygon.corner(k - 1), &c = polygon.corner(k);
+    const Corner ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    const Corner centroid{(a.s + b.s + c.s) / 3, (a.t + b.t + c.t) / 3};
+    patch.spread +=
+        area / 60 *
+        (3 * (moment(a) + moment(b) + moment(c)) + 8 * (moment(ab) + moment(bc) + moment(ca)) + 27 * moment(centroid));
+    add(ab, (before + area) / 3);
+    add(bc, area / 3);
     before = area;
     whole += area;
   }
-  add_middle(0, polygon.size() - 1, before / 3);
+  add(middle(a, polygon.corner(polygon.size() - 1)), before / 3);
   patch.stiffness += spring * whole;
 }
 

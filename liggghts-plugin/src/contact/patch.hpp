@@ -37,12 +37,14 @@ struct Patch {
   std::vector<Place> places;
   double stiffness = 0;  ///< of all springs side by side [N/m]
   double highest = 0;    ///< pressure at any place [Pa]
+  double spread = 0;     ///< integral of the pressure times the squared distance from the origin of choice [N m^2]
 
   [[nodiscard]] bool empty() const { return places.empty(); }
   void clear() {
     places.clear();
     stiffness = 0;
     highest = 0;
+    spread = 0;
   }
 };
 
