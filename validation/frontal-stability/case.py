@@ -13,8 +13,8 @@ import numpy as np
 from validate import CaseError
 
 TITLE = "frontal stability: a floe turns under at a screen, 2-D, against Pariset"
-GRAVITY, THICKNESS, START, END = 9.81, 0.04, 4, 20  # [m/s2], [m], of the ramp [s]
-SLOWEST, FASTEST = 0.8, 1.3  # the ramp, in terms of Pariset's speed at the outlet's level
+GRAVITY, THICKNESS, START, END = 9.81, 0.04, 4, 24  # [m/s2], [m], of the ramp [s]
+SLOWEST, FASTEST = 0.8, 1.425  # the ramp, in terms of Pariset's speed at the outlet's level
 # (level [m], specific gravity, l0 [m])
 FLOES = {"quick": [(0.2, 0.6, 0.01)]}
 FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01), (0.1333, 0.917, 0.004)]
