@@ -17,8 +17,8 @@ GRAVITY, THICKNESS, START, END = 9.81, 0.04, 4, 24  # [m/s2], [m], of the ramp [
 SLOWEST, FASTEST = 0.8, 1.425  # the ramp, in terms of Pariset's speed at the outlet's level
 # (level [m], specific gravity, l0 [m])
 FLOES = {"quick": [(0.2, 0.6, 0.01)]}
-FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01), (0.1333, 0.917, 0.004)]
-FLOES["full"] = [*FLOES["normal"], (0.2, 0.6, 0.005), (0.2, 0.8, 0.005), (0.2, 0.917, 0.004)]
+FLOES["normal"] = [*FLOES["quick"], (0.1333, 0.6, 0.01), (0.4, 0.6, 0.01), (0.2, 0.8, 0.01)]
+FLOES["full"] = [*FLOES["normal"], (0.2, 0.6, 0.005), (0.2, 0.8, 0.005), (0.1333, 0.917, 0.004)]
 REFERENCE_GRAVITY, RESOLVED = 0.917, 0.75  # of the reference; freeboard/l0 from which on the bar must be met
 
 
