@@ -78,30 +78,35 @@ TEST(ContactPatch, FlushFacesAreCountedOnce) {
   EXPECT_NEAR(load_of(patch).force.x(), -expected, 1e-5 * expected);
 }
 
+/// Mean square of the pressure's distance from its centre [m^2].
+double mean_square_of(const Patch& patch) {
+  Vec3 centre = Vec3::Zero();
+  double weight = 0;
+  for (const auto& place : patch.places) {
+    centre += place.size * place.position;
+    weight += place.size;
+  }
+  return patch.spread / weight - (centre / weight).squaredNorm();
+}
+
 TEST(ContactPatch, SpreadIsThatOfThePressureHoweverThePatchFallsIntoTriangles) {
-  const ConvexShape shape = box(0.2, 0.2, 0.1);
-  const auto spread_of = [&](double tilt, double turn, double depth) {
-    const Mat3 axes =
-        (Eigen::AngleAxisd(turn, Vec3::UnitZ()) * Eigen::AngleAxisd(tilt, Vec3::UnitX())).toRotationMatrix();
-    const PosedShape body{&shape, axes, Vec3::Zero(), 5e8};
-    const double low = 0.1 * std::abs(std::sin(tilt)) + 0.05 * std::cos(tilt);
-    Patch patch;
-    press_plane(body, Vec3(0, 0, depth - low), Vec3::UnitZ(), patch);
-    Vec3 centre = Vec3::Zero();
-    double weight = 0;
-    for (const auto& place : patch.places) {
-      centre += place.size * place.position;
-      weight += place.size;
-    }
-    return patch.spread / weight - (centre / weight).squaredNorm();
-  };
-  // Flat: a square under even pressure, but for its rim.
-  EXPECT_NEAR(spread_of(0, 0, 1e-6), 0.2 * 0.2 / 6, 1e-4 * 0.2 * 0.2 / 6);
-  // On an edge: nearly a line, and the same whichever axes the polygon is projected along.
-  const double expected = 0.2 * 0.2 / 12;
+  const ConvexShape shape = box(0.2, 0.2, 0.1), slab = box(1, 1, 0.4);
+  Patch patch;
+  // Flat on a plane: a square under even pressure, but for its rim.
+  press_plane({&shape, Mat3::Identity(), Vec3::Zero(), 5e8}, Vec3(0, 0, 1e-6 - 0.05), Vec3::UnitZ(), patch);
+  EXPECT_NEAR(mean_square_of(patch), 0.2 * 0.2 / 6, 1e-4 * 0.2 * 0.2 / 6);
+  // On an edge upon a slab: nearly a line, and the same in whatever direction it lies, from either body's frame.
+  const PosedShape below{&slab, Mat3::Identity(), Vec3::Zero(), 5e8};
+  const double expected = 0.2 * 0.2 / 12, tilt = 0.3, depth = 1e-4;
   for (int k = 0; k < 40; ++k) {
-    EXPECT_NEAR(spread_of(0.3, 0.17 * k, 1e-5), expected, 1e-3 * expected);
-    EXPECT_NEAR(spread_of(0.3, 0.17 * k, 1e-5), spread_of(0.3, 0, 1e-5), 1e-9 * expected);
+    const Mat3 axes = (Eigen::AngleAxisd(0.17 * k, Vec3::UnitZ()) * Eigen::AngleAxisd(tilt, Vec3::UnitX())).matrix();
+    const Vec3 place(0, 0, 0.2 + 0.1 * std::sin(tilt) + 0.05 * std::cos(tilt) - depth);
+    const PosedShape above{&shape, axes, place, 5e8};
+    for (const auto& [first, second] : {std::pair(below, above), std::pair(above, below)}) {
+      patch.clear();
+      press(first, second, -separation(first, second), patch);
+      EXPECT_NEAR(mean_square_of(patch), expected, 5e-3 * expected) << k;
+    }
   }
 }
 
