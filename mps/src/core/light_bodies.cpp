@@ -17,6 +17,8 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+/// A Matrix6 whose size the compiler does not know: solvers of a known size take it a minute to unroll.
+using SolvedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
 /// Up to this the explicit load is accurate.
 constexpr double explicit_chi = 0.5;
@@ -39,8 +41,9 @@ Matrix6 inertia_of(const MassProperties& mass, const coupling::Quaternion& orien
 
 /// Largest eigenvalue of M^-1 S, with the symmetric part of S.
 double largest_eigenvalue(const Matrix6& mass, const Matrix6& matrix) {
-  const Matrix6 symmetric = 0.5 * (matrix + matrix.transpose());
-  return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(symmetric, mass, Eigen::EigenvaluesOnly).eigenvalues()[5];
+  const SolvedMatrix symmetric = 0.5 * (matrix + matrix.transpose());
+  return Eigen::GeneralizedSelfAdjointEigenSolver<SolvedMatrix>(symmetric, SolvedMatrix(mass), Eigen::EigenvaluesOnly)
+      .eigenvalues()[5];
 }
 
 /// Outward normal of the face nearest to a point inside a shape; of one of them if several are equally near.
@@ -200,7 +203,7 @@ void LightBodies::apply(const Particles& particles, const Neighbours& neighbours
     const double share = chi > explicit_chi ? 1 - explicit_chi / chi : 0;
     const double k = share * impedance * horizon + constants_.density * constants_.particle_distance;
     const Vector6 push = bodies.push_without_load(b) + whole - k * taken_up;
-    yields[b] = {k, (inertia + k * matrix).partialPivLu().solve(push)};
+    yields[b] = {k, SolvedMatrix(inertia + k * matrix).partialPivLu().solve(push)};
   }
 
   // dp on the water and, opposite, on the points.
