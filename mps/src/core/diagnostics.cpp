@@ -117,8 +117,8 @@ WaterState measure(const Simulation& simulation, const Scene& scene) {
       sums[4 + d] += m * v;
     }
     if (c.central_force > 0) sums[2] += m * central_potential(c, record.x);
-    // Elastic energy of the Tait fluid: m INT p/(rho0 s^2) ds.
-    sums[3] += m * tait * (std::pow(record.s, 6) / 6.0 - 1.0 / 6.0 + 1.0 / record.s - 1.0);
+    // Elastic energy of the Tait fluid: m INT p/rho0 ds, conjugate to a continuity equation and a gradient over rho0.
+    sums[3] += m * tait * ((std::pow(record.s, 8) - 1.0) / 8.0 - (record.s - 1.0));
     sums[11] += std::abs(record.s - 1.0) > 0.01 ? 1 : 0;
     const Arrangement around = arrangement_of(simulation, i);
     const double slope = std::sqrt(around.slope[0] * around.slope[0] + around.slope[1] * around.slope[1] +

@@ -12,10 +12,11 @@ struct Energies {
   double kinetic = 0;  ///< [J]
   /// Of the gravity that pressure can balance, zero at the origin, and of the central force, zero at its centre [J].
   double potential = 0;
-  double elastic = 0;    ///< of compression [J]
-  double in_solids = 0;  ///< taken up by the pressure of solid points since the start, in audited runs [J]
-  double bodies = 0;     ///< of the bodies: kinetic, and potential in gravity [J]
-  double work = 0;       ///< done on them since the start by all but water and gravity, and brought by new ones [J]
+  double elastic = 0;  ///< of compression [J]
+  /// Taken up by the pressure of solid points since the start, and held by the guard's springs; in audited runs [J].
+  double in_solids = 0;
+  double bodies = 0;  ///< of the bodies: kinetic, and potential in gravity [J]
+  double work = 0;    ///< done on them since the start by all but water and gravity, and brought by new ones [J]
   /// Of the water.
   [[nodiscard]] double total() const { return kinetic + potential + elastic + in_solids; }
   /// What may fall but never grow while no wall moves.

@@ -99,6 +99,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
   const std::vector<Stride> strides = walls_.strides(time - step, time, step);
   const int first_body = walls_.count();
   loads_.reset(first_body + (bodies != nullptr ? bodies->count() : 0));
+  stored_.reset(1);
   std::vector<std::vector<Contact>> contacts_of_thread(threads());
   for_each(particles.water, [&](std::size_t i, int thread) {
     const NeighbourRange range = neighbours.of_water(i);
@@ -184,6 +185,8 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     hold_outside(contacts, acceleration[i], step);
     Load* const loads = loads_.of_thread(thread);
     for (const Contact& contact : contacts) {
+      const double pressed = std::max(0.0, distance_ - contact.distance);
+      *stored_.of_thread(thread) += 0.5 * constants_.particle_mass * stiffness_ * pressed * pressed;
       Vec3 force;  // on the solid
       for (int c = 0; c < 3; ++c) force[c] = -constants_.particle_mass * contact.push * contact.normal[c];
       const bool wall = contact.solid < first_body;
@@ -192,6 +195,7 @@ void Guard::apply(const Particles& particles, const Neighbours& neighbours, cons
     }
   });
   loads_.join();
+  stored_.join();
   const std::vector<Load>& total = loads_.total();
   wall_loads.assign(total.begin(), total.begin() + first_body);
   for (std::size_t b = first_body; b < total.size(); ++b) body_loads[b - first_body] += total[b];

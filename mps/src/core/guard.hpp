@@ -28,6 +28,8 @@ class Guard {
   void apply(const Particles& particles, const Neighbours& neighbours, const Bodies* bodies, double time, double step,
              std::vector<Triple>& acceleration, std::vector<coupling::Load>& wall_loads,
              std::vector<coupling::Load>& body_loads);
+  /// Energy [J] that the springs hold at the places of the last `apply`, of the own water.
+  [[nodiscard]] double stored_energy() const { return stored_.total().empty() ? 0 : stored_.total()[0]; }
 
  private:
   /// Acceleration magnitude along the outward normal for a place `distance` outside the surface (negative: inside),
@@ -68,6 +70,7 @@ class Guard {
   double leaving_speed_;              ///< outward, above which it does not push [m/s]
   double stiffness_;                  ///< [1/s^2]
   ThreadSums<coupling::Load> loads_;  ///< on each wall, then on each body
+  ThreadSums<double> stored_;         ///< energy of the springs [J]
 };
 
 }  // namespace embacle::mps

@@ -516,9 +516,10 @@ std::vector<std::string> Recorder::doubts(double speed, double compression) cons
   if (!driven && scene_.openings.empty() && !simulation_.walls().any_moves() && largest_energy_gain_ > allowed) {
     found.push_back(fmt::format(
         "{} gained up to {:.3g} J with no work done ({:.1f} % of the largest kinetic or elastic energy): do "
-        "not trust this run; a smaller numerics.cfl{} may help",
+        "not trust this run; a smaller numerics.cfl{} may help{}",
         simulation_.bodies() != nullptr ? "water and bodies" : "the water", largest_energy_gain_,
-        100 * largest_energy_gain_ / largest_energy_, simulation_.bodies() != nullptr ? " or shorter windows" : ""));
+        100 * largest_energy_gain_ / largest_energy_, simulation_.bodies() != nullptr ? " or shorter windows" : "",
+        scene_.output.audit ? "" : "; with output.audit what solid points had stored is counted, too"));
   }
   return found;
 }

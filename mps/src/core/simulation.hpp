@@ -99,9 +99,11 @@ class Simulation {
   /// Steps before the restart with which this run began.
   [[nodiscard]] std::int64_t earlier_steps() const { return earlier_steps_; }
   [[nodiscard]] const Audit& worst_audit() const { return worst_audit_; }
-  /// What the water of this rank has given to solid points by compressing them, since the start [J]: in audited runs
-  /// with the leapfrog and without shifting, otherwise 0.
-  [[nodiscard]] double energy_in_solids() const { return energy_in_solids_; }
+  /// What the water of this rank has given to solid points by compressing them since the start, and what the guard's
+  /// springs hold [J]: in audited runs, the first with the leapfrog and without shifting only; otherwise 0.
+  [[nodiscard]] double energy_in_solids() const {
+    return scene_.output.audit ? energy_in_solids_ + guard_.stored_energy() : 0;
+  }
   /// Work of all but water and gravity on the bodies that this rank speaks for, since the start [J].
   [[nodiscard]] double work_on_bodies() const { return work_on_bodies_; }
   [[nodiscard]] const Halo& halo() const { return halo_; }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/diagnostics.hpp"
 #include "small_runs.hpp"
 #include "small_scenes.hpp"
 
@@ -50,6 +51,42 @@ TEST(Guard, FastWaterStopsAtAWall) {
     EXPECT_GT(lone(simulation).x[1], 0) << step;
   }
   EXPECT_LE(std::abs(lone(simulation).v[1]), 0.05 * 10 * (1 + 1e-12));
+}
+
+/// Lowest and highest total energy over what the lone particle does, in terms of that of the start.
+std::pair<double, double> range_of_energy(Scene scene, int steps) {
+  scene.output.audit = true;
+  Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+  run(simulation, 1);
+  const double start = measure(simulation, scene).energy.total();
+  double lowest = 1, highest = 1;
+  for (int step = 0; step < steps; ++step) {
+    run(simulation, 1);
+    const double now = measure(simulation, scene).energy.total() / start;
+    lowest = std::min(lowest, now);
+    highest = std::max(highest, now);
+  }
+  return {lowest, highest};
+}
+
+TEST(Energy, ABounceOnAWallKeepsIt) {
+  // Compressed by several percent, so that an integral over s^2 would be short by 3 %.
+  Scene scene = lone_particle(0.04, -1);
+  Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+  run(simulation, 150);
+  EXPECT_GT(lone(simulation).v[1], 0.99);
+  const auto [lowest, highest] = range_of_energy(scene, 150);
+  EXPECT_GT(lowest, 0.995);
+  EXPECT_LT(highest, 1.005);
+}
+
+TEST(Energy, WhatTheGuardsSpringGivesBackWasThere) {
+  // At rest within its reach: all energy is the spring's.
+  const Scene scene = lone_particle(0.001, 0);
+  Simulation simulation(scene, MPI_COMM_SELF, nullptr);
+  run(simulation, 200);
+  EXPECT_GT(lone(simulation).x[1], 0.0012);
+  EXPECT_LT(range_of_energy(scene, 200).second, 1.01);
 }
 
 }  // namespace
