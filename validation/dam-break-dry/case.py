@@ -15,6 +15,7 @@ LONGEST_LAG = 0.020  # [s]
 GRAVITY = 9.81
 INCH = 0.0254
 RESOLUTIONS = {"quick": (16,), "normal": (16, 32), "full": (16, 32, 64)}  # a/l0, a the smaller side of the column
+GATE_RESOLUTIONS = {"quick": (16,), "normal": (16, 32, 64), "full": (16, 32, 64, 128)}  # the gate is 1/30 of a thick
 
 
 @dataclasses.dataclass
@@ -55,7 +56,7 @@ CHANNEL = [Series("Martin & Moyce 2.25 in", "martin-moyce-1952-a2.25in.csv", *CO
            Series("Martin & Moyce 2.25 in, to 14 a", "martin-moyce-1952-a2.25in.csv", *COLUMN, 14, 2, required=False),
            Series("Martin & Moyce 1.125 in", "martin-moyce-1952-a1.125in.csv", *COLUMN, 4.2, 2, required=False)]
 GATE = [Series("Lobovsky", "lobovsky-2014.csv", 0.6, 0.3, 1.61, 2.68, 1.5, gate=1.0, unit=0.5, scene="scene-gate.toml",
-               earliest=-LONGEST_LAG, held=32)]
+               earliest=-LONGEST_LAG, held=64)]
 
 
 def compare(context, run, layers, series):
@@ -115,11 +116,11 @@ def collapse(context, name, series, layers, end_time):
 
 
 def measure(context):
-    for layers in RESOLUTIONS[context.effort]:
-        label = f"a/l0 {layers}"
-        for name, group, end_time in (("tank", TANK, 20), ("channel", CHANNEL, 0.8), ("gate", GATE, 0.6)):
+    for name, group, end_time, resolutions in (("tank", TANK, 20, RESOLUTIONS), ("channel", CHANNEL, 0.8, RESOLUTIONS),
+                                               ("gate", GATE, 0.6, GATE_RESOLUTIONS)):
+        for layers in resolutions[context.effort]:
             run = collapse(context, name, group[0], layers, end_time)
             for series in group:
                 yield from compare(context, run, layers, series)
             if name == "tank":
-                yield from rest(context, run, label, group[0])
+                yield from rest(context, run, f"a/l0 {layers}", group[0])
