@@ -3,7 +3,9 @@
 The reference values are means over time of their SPH, as the thesis gives them (section 5.3.1, table 5.10); the thesis misses
 mean y by 2.66, 13.5 and 1.5 % at 500, 1000 and 2000 kg/m3, and Lee et al. differ from Robb by 0.04, 0.59 and 7.72 %.
 Assumed, because the text leaves it to a figure: the tank is 0.5 m wide, the water 0.5 m deep (4.905 kPa at the bottom), the
-0.1 m of the drop count from the lower face of the block to the water, and means are over 2 s from the release.
+0.1 m of the drop count from the lower face of the block to the water. Over how long it averages is not said either: the block of
+2000 kg/m3 tells. It cannot take longer to the bottom than its drag lets it, and then lies at 5 cm, so its mean height fixes the
+end of the record: 1.3 s. The other two blocks are held to the means until then; those over 2 s are reported.
 """
 
 import numpy as np
@@ -11,6 +13,7 @@ import numpy as np
 TITLE = "block entering water, 2-D, mean position against Robb et al."
 RESOLUTIONS = {"quick": (10,), "normal": (10, 20), "full": (10, 20, 40)}  # side/l0
 SIDE = 0.1  # [m]
+WINDOW, FIXES = 1.3, 2000  # [s] of the means; density of the block that fixes it [kg/m3]
 HELD = 20  # side/l0 from which on the bars must be met
 
 
@@ -27,5 +30,8 @@ def measure(context):
                 context.curve(panel, f"side/l0 {count}", body["t"], body[axis])
                 if count == RESOLUTIONS[context.effort][0]:
                     context.curve(panel, "mean of the reference", body["t"][[0, -1]], [mean, mean], reference=True)
-                yield run.bar(f"{label}: mean {axis} less reference", 100 * (body[axis].mean() / mean - 1), -3, 3, "%",
-                              "robb-averages.csv", count >= HELD)
+                for end in (WINDOW, body["t"][-1]):
+                    found = body[axis][body["t"] <= end].mean()
+                    held = count >= HELD and end == WINDOW and density != FIXES
+                    yield run.bar(f"{label}: mean {axis} over {end:.1f} s less reference", 100 * (found / mean - 1), -3, 3, "%",
+                                  "robb-averages.csv", held)
