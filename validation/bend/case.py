@@ -12,7 +12,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 import reach  # noqa: E402
 
 TITLE = "bend and contraction, 3-D: no leaks, discharges balance"
-SECONDS = {"quick": 10, "normal": 60, "full": 60}
+SECONDS = {"quick": 10, "normal": 120, "full": 120}
 SPACING = {"quick": (0.02,), "normal": (0.02,), "full": (0.02, 0.01)}  # l0 [m]
 PATH, WIDTH, LEVEL, DISCHARGE = "straight 0.9; left 90 radius 0.7; straight 1.5", 0.32, 0.1, 6.4e-3
 THROAT = (2.6, 0.8, 0.24)  # along the path [m], length [m], width [m]
