@@ -194,8 +194,9 @@ Schema make_schema() {
                       .range = between(0, 1)},
                      [](Numerics& x) -> Target { return &x.collision_distance; }},
                     {{.name = "collision_restitution",
-                      .meaning = "coefficient of restitution of these collisions",
-                      .range = between(0, 1)},
+                      .meaning = "coefficient of restitution of these collisions; above 0.8 those that happen at once "
+                                 "may gain energy",
+                      .range = between(0, 0.8)},
                      [](Numerics& x) -> Target { return &x.collision_restitution; }},
                     {{.name = "turbulence",
                       .meaning = "eddy viscosity of what the particles do not resolve",
